@@ -1,4 +1,4 @@
-/** Buttons: with words, or with a picture whose name is told and shown on hover. */
+/** Buttons with a label, or with an icon whose name is its accessible name and its tooltip. */
 
 import type { MouseEvent, ReactNode } from "react";
 import "./button.css";
@@ -7,9 +7,9 @@ interface Common {
   readonly onClick: (event: MouseEvent<HTMLButtonElement>) => void;
   /** It does nothing, and yet has the keyboard: who cannot press it can read why, and who has it does not lose their place. */
   readonly disabled?: boolean | undefined;
-  /** Whether it is on, for switches. */
+  /** State of a toggle button. */
   readonly pressed?: boolean | undefined;
-  /** Keys that do the same, for the tooltip. */
+  /** Shortcut for the tooltip. */
   readonly keys?: string | undefined;
   readonly className?: string | undefined;
 }
@@ -18,7 +18,7 @@ interface ButtonProps extends Common {
   readonly children: ReactNode;
   readonly kind?: "plain" | "primary" | "danger" | "quiet" | undefined;
   readonly icon?: ReactNode;
-  /** What it does, or why it cannot. */
+  /** Description of the action, or the reason why it is disabled. */
   readonly title?: string | undefined;
 }
 
@@ -47,7 +47,7 @@ export function Button({
 }
 
 interface IconButtonProps extends Common {
-  /** What it does: its name for everybody. */
+  /** Accessible name and tooltip. */
   readonly label: string;
   readonly icon: ReactNode;
 }

@@ -35,7 +35,7 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
     if (text === value) return stop(step);
     own.current.add(text);
     const answer = check(text) ?? onCommit(text);
-    // Who goes on to another cell types there already: only what is refused at once, or asked about, keeps them here.
+    // Users who move to another cell are typing there already. Only an immediate refusal or a question keeps the focus here.
     if (step !== 0 && answer instanceof Promise) return stop(step);
     const fault = typeof answer === "string" ? answer : await committed(answer);
     if (fault == null) stop(step);
@@ -66,7 +66,7 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           event.stopPropagation();
           if (event.key === "Escape") stop();
           if (event.key !== "Enter" && event.key !== "Tab") return;
-          // What has the keyboard after the commit must not be pressed by the same key.
+          // The key that committed must not press the element that is focused next.
           event.preventDefault();
           void commit(event.key === "Enter" ? 0 : event.shiftKey ? -1 : 1);
         }}
@@ -93,7 +93,7 @@ interface SaidProps {
 
 const GAP_PX = 3;
 
-/** Stands below the cell, over whatever is there: a table of two rows has no room for it. */
+/** Shown below the cell as an overlay, because a table of two rows has no room for it. */
 function Said({ id, at, text }: SaidProps) {
   const { left, bottom } = at.getBoundingClientRect();
   const host = at.closest("dialog") ?? at.ownerDocument.body;

@@ -12,7 +12,7 @@ interface ChosenRows<T> {
 
 interface RowSelection {
   readonly ids: ReadonlySet<string>;
-  /** Where what is chosen with Shift begins. */
+  /** Start of a selection with Shift. */
   readonly anchor: string | null;
 }
 
@@ -28,7 +28,7 @@ export function useChosenRows<T>(rows: readonly T[], id: (row: T) => string): Ch
   };
 }
 
-/** What is chosen once a row is. */
+/** The selection after a row was chosen. */
 export function chosen(
   { ids, anchor }: RowSelection,
   rows: readonly string[],

@@ -6,7 +6,7 @@ import { type MouseEvent, useEffect, useRef, useState } from "react";
 /** A press sooner than this after the question appeared is none. */
 export const SLIP_MS = 400;
 
-/** So long the question stands. */
+/** Time until the question disappears, in ms. */
 const AGAIN_MS = 3_000;
 
 /** Since when the question is to be seen, or when the last press of an answer came; times in milliseconds, of one clock. */
@@ -17,7 +17,7 @@ export type ConfirmState =
 
 export const QUIET: ConfirmState = { is: "quiet" };
 
-/** What a press makes of it. */
+/** State after a press. */
 export function pressed(asked: ConfirmState, now_ms: number): ConfirmState {
   if (asked.is === "asking" && now_ms - asked.shown_ms < SLIP_MS) return asked;
   if (asked.is === "asking") return { is: "answered", pressed_ms: now_ms };
@@ -27,7 +27,7 @@ export function pressed(asked: ConfirmState, now_ms: number): ConfirmState {
   return { is: "asking", shown_ms: now_ms };
 }
 
-/** Whether the question stands, and what the button does when it is pressed. */
+/** The state of the question, and the handler of the button. */
 export function useConfirmPress(onSure: () => void): {
   readonly asks: boolean;
   readonly press: (event: Pick<MouseEvent, "timeStamp">) => void;

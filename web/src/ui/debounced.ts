@@ -1,4 +1,4 @@
-/** A value that is followed once it has stayed the same for a while: for what is dear to work out and in no hurry. */
+/** A value that follows its source after a pause without changes, for expensive computations. */
 
 import { useEffect, useState } from "react";
 

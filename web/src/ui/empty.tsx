@@ -1,4 +1,4 @@
-/** What an empty place says: what would be here, and how to get it. */
+/** The text of an empty place: its usual content, and the way to add some. */
 
 import type { ReactNode } from "react";
 import { Button } from "./button.tsx";
@@ -6,7 +6,7 @@ import "./empty.css";
 
 interface EmptyProps {
   readonly title: string;
-  /** How to get it. */
+  /** Instructions for the first content. */
   readonly text?: ReactNode;
   readonly icon?: ReactNode;
   readonly action?: { readonly title: string; readonly onClick: () => void } | undefined;

@@ -13,41 +13,41 @@ import {
 import { givenUpInWords, isOthers, meanwhileInWords } from "./meanwhile.ts";
 import "./field.css";
 
-/** What becomes of a text that was committed: nothing said is well, a text says why it was refused. */
+/** Result of a commit: nothing on success, or the reason of a refusal. */
 type Committed = string | null | undefined;
 
-/** The user is asked something first: whoever waits stays where they are. */
+/** A question is open: the focus stays where it is. */
 export interface CommitQuestion {
   readonly asked: Promise<Committed>;
 }
 
-/** What a place where text is edited is told: at once, later, or after a question. */
+/** Result for an editor: immediate, later, or after a question. */
 export type Commit = Committed | void | Promise<Committed> | Promise<void> | CommitQuestion;
 
-/** What becomes of it in the end. */
+/** Final result. */
 export async function committed(commit: Commit): Promise<Committed> {
   const said = await (isAsked(commit) ? commit.asked : commit);
   return said ?? null;
 }
 
-/** Whether a question comes first. */
+/** True if a question is open. */
 function isAsked(commit: Commit): commit is CommitQuestion {
   return typeof commit === "object" && commit !== null && "asked" in commit;
 }
 
-/** Where is said that a text was refused whose field has gone. */
+/** Reports the refusal of a text whose field no longer exists. */
 export const LostTexts = createContext<(text: string) => void>(() => {});
 
 interface TextFieldProps {
   readonly label: string;
-  /** Only for screen readers, where the place says enough. */
+  /** Hidden label for screen readers. */
   readonly hideLabel?: boolean | undefined;
   readonly value: string;
   /** Called on Enter (of several lines Ctrl+Enter) and blur, if the text is another one. */
   readonly onCommit?: ((text: string) => Commit) | undefined;
   /** Called at each key: for searches. */
   readonly onInput?: ((text: string) => void) | undefined;
-  /** Why the text as it stands would be refused; null if it would not. */
+  /** Reason why the present text would be refused; null if it is valid. */
   readonly check?: ((text: string) => string | null) | undefined;
   readonly refusal?: string | null | undefined;
   readonly hint?: string | undefined;

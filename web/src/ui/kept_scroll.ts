@@ -1,4 +1,4 @@
-/** Where a panel and what is in it are scrolled to: kept while it is behind another one, for browsers forget that of what is out of
+/** Scroll positions of a panel and its content, stored while another panel is in front, because browsers forget them for what is out of
  * the document. */
 
 import { type RefObject, useEffect } from "react";

@@ -1,4 +1,4 @@
-/** A text with the parts marked that somebody looks for. */
+/** A text with the matches of a search marked. */
 
 import "./marked.css";
 

@@ -1,16 +1,16 @@
-/** What somebody else makes of a text while it is typed here. */
+/** Changes of a text by another person while it is edited here. */
 
-/** Whether a text of another person's waits to be overwritten: not one that was there when the typing began, nor one's own. */
+/** True if a commit would overwrite the text of another person that arrived during the edit. */
 export function isOthers(value: string, own: ReadonlySet<string>, text: string | null): boolean {
   return text !== null && value !== text && !own.has(value);
 }
 
-/** What becomes of both texts. */
+/** The choice between both texts. */
 export function meanwhileInWords(value: string, enter = "Enter"): string {
   return `It ${changed(value)} in the meantime. ${enter} keeps your text, Escape takes theirs.`;
 }
 
-/** Why a text whose field has gone was given up. */
+/** Reason why a text was discarded whose field no longer exists. */
 export function givenUpInWords(value: string): string {
   return `it ${changed(value)} in the meantime`;
 }

@@ -13,27 +13,27 @@ export type MenuItem =
       /** As they are shown. */
       readonly keys?: string | undefined;
       readonly icon?: ReactNode;
-      /** Of a switch: whether it is on. */
+      /** State of a toggle. */
       readonly checked?: boolean | undefined;
       readonly disabled?: boolean | undefined;
-      /** Why, or what it does; said on hover. */
+      /** Tooltip: the reason, or a description. */
       readonly detail?: string | undefined;
       readonly items?: readonly MenuItem[] | undefined;
       readonly run?: (() => void) | undefined;
     };
 
 export interface ContextMenuProps {
-  /** What it is a menu of, for screen readers. */
+  /** Accessible name. */
   readonly label: string;
-  /** Where its left top corner would be, in CSS pixels of the window. */
+  /** Preferred position of the top left corner, in CSS pixels of the window. */
   readonly at: { readonly x: number; readonly y: number };
   readonly items: readonly MenuItem[];
   readonly onClose: () => void;
-  /** Left and right, where a menu bar goes on to its next menu. */
+  /** Moves to the previous or next menu of a menu bar. */
   readonly onSideways?: ((step: -1 | 1) => void) | undefined;
 }
 
-/** A menu at a place of the window in which the component stands. */
+/** A menu at a position of the component's window. */
 export function ContextMenu({ label, at, items, onClose, onSideways }: ContextMenuProps) {
   const anchor = useRef<HTMLSpanElement>(null);
   const [host, setHost] = useState<Element | null>(null);

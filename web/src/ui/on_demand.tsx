@@ -1,4 +1,4 @@
-/** A part of the page that is loaded when it is first shown. A slow link carries what one looks at before everything else. */
+/** A part of the page that is loaded when it is first shown, so that a slow link loads visible parts first. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import { type FunctionComponent, type ReactElement, useEffect } from "react";
@@ -21,7 +21,7 @@ export interface OnDemand<Props> {
   readonly preload: () => Promise<void>;
 }
 
-/** A component that is loaded when it is first shown, or before; `frame` is put around the words that say it did not load. */
+/** A component that is loaded when it is first shown, or earlier. `frame` wraps the message of a failed load. */
 export function onDemand<Props extends object>(
   load: () => Promise<FunctionComponent<Props>>,
   frame: (words: ReactElement, props: Props) => ReactElement = (words) => words,

@@ -1,4 +1,4 @@
-/** What the page and its libraries import as `react` and `react-dom`: Preact, a sixth of its size, and here what it does otherwise.
+/** Replaces `react` and `react-dom` by Preact, a sixth of their size, and bridges its differences.
  * Knows no component. */
 
 import { options, type VNode } from "preact";
@@ -9,11 +9,11 @@ import { useEffect, useRef, useState } from "preact/hooks";
 export * from "preact/compat";
 export { act } from "preact/test-utils";
 
-/** By then what changed at once has been painted. */
+/** By then immediate changes have been painted. */
 const LATER_MS = 20;
 
-/** The value as it was: what changes at once is shown before what may come a picture later. A value that changes without a pause is
- * shown all the same, every few pictures. */
+/** A deferred value: immediate changes are painted before this one. A value that changes without a pause is still updated, every few
+ * frames. */
 export function useDeferredValue<T>(value: T): T {
   const [shown, setShown] = useState({ value });
   const newest = useRef(value);
@@ -61,7 +61,7 @@ options.vnode = (vnode) => {
 
 const focused = new WeakSet<HTMLElement>();
 
-/** Once it is there: a browser heeds `autofocus` only once in the life of a page. */
+/** After mounting, because browsers apply `autofocus` only once for each page. */
 function focusFirst(made: MadeElement): void {
   const { ref } = made;
   made.ref = (element) => {
@@ -73,8 +73,8 @@ function focusFirst(made: MadeElement): void {
   };
 }
 
-/** A choice shows what it is given until it is given another value, whatever was pressed. A box is asked while it is pressed:
- * what else the press changes is drawn before it would tell. */
+/** A controlled select or checkbox shows its property until the property changes, whatever the user pressed. A checkbox reports during
+ * the press, before other changes of the press are drawn. */
 function keepGiven({ type, props }: MadeElement, changed: ChoiceListener): void {
   const name = type === "select" ? "value" : "checked";
   if (!(name in props)) return;

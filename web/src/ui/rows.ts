@@ -1,4 +1,4 @@
-/** How high rows are that are made only in sight, and so have to be known beforehand: as `--row` in `tokens.css`. */
+/** Height of rows in virtual lists, equal to `--row` in `tokens.css`. */
 
 const ROW_PX = 24;
 const FINGER_ROW_PX = 32;

@@ -5,7 +5,7 @@ import { type RefObject, useLayoutEffect, useMemo, useState } from "react";
 /** Rows that are made beyond both edges, so that a quick turn of the wheel shows no gap. */
 const BEYOND = 8;
 
-/** Where a list is scrolled to, in rows: the first that is made, and the first behind them that is not. */
+/** Visible range of a list: the first rendered row, and the first row after them. */
 interface Span {
   readonly first: number;
   readonly end: number;
@@ -14,13 +14,13 @@ interface Span {
 export interface RowsInSight {
   /** The numbers of the rows that are made. */
   readonly indices: readonly number[];
-  /** How high all rows are together, in CSS pixels. */
+  /** Total height of all rows, in CSS pixels. */
   readonly height: number;
   /** Scrolls as little as it takes to bring a row into sight, or puts it into the middle. */
   readonly show: (index: number, where?: "nearest" | "centre") => void;
 }
 
-/** The rows of the list that scrolls in `place`, so high each, below a head of so many pixels that stays. */
+/** Visible rows of the list that scrolls in `place`, below a fixed head. */
 export function useRowsInSight(
   place: RefObject<HTMLElement | null>,
   count: number,

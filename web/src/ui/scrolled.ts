@@ -1,15 +1,15 @@
-/** Lists that stay at their end while they grow, and tell their own scrolling from somebody's. */
+/** Lists that stay at their end while they grow, and distinguish their own scrolling from the user's. */
 
 import { type RefObject, useEffect, useMemo } from "react";
 
 interface Scrolled {
-  /** Where it is now the list has scrolled to by itself. */
+  /** The list has scrolled to its present position by itself. */
   readonly note: () => void;
-  /** Whether it is elsewhere, by somebody's hand. */
+  /** True if the user has scrolled away from the end. */
   readonly isSomebody: () => boolean;
 }
 
-/** Keeps a list of so many rows at its end, also when it comes back into the page or gets another size, and tells its own scrolling from others'. */
+/** Keeps a list at its end, also after it was hidden or resized, and distinguishes its own scrolling from the user's. */
 export function useScrolled(
   place: RefObject<HTMLElement | null>,
   follow: boolean,
@@ -46,7 +46,7 @@ export function useScrolled(
 /** Closer to the end than this, in CSS pixels, is at it. */
 const NEAR_PX = 24;
 
-/** Whether a list is scrolled to its end. */
+/** True if a list is scrolled to its end. */
 export function isAtEnd({ scrollTop, scrollHeight, clientHeight }: HTMLElement): boolean {
   return scrollHeight - scrollTop - clientHeight < NEAR_PX;
 }

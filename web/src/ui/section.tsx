@@ -6,13 +6,13 @@ import "./section.css";
 
 interface SectionProps {
   readonly title: string;
-  /** How many things are inside. */
+  /** Number of items. */
   readonly count?: number | undefined;
   /** Buttons at the right of the heading. */
   readonly actions?: ReactNode;
-  /** Whether it is open at first; left out: it is. */
+  /** Initial state; open by default. */
   readonly defaultOpen?: boolean | undefined;
-  /** Whether it is open, if somebody else knows. */
+  /** Controlled state. */
   readonly open?: boolean | undefined;
   readonly onToggle?: ((open: boolean) => void) | undefined;
   readonly children: ReactNode;

@@ -8,17 +8,17 @@ export function useSignal<T>(signal: ReadonlySignal<T>): T {
   return useSyncExternalStore(subscribe, () => signal.peek());
 }
 
-/** What a function of signals gives, drawn again when that is another value; `deps` are what else it depends on. */
+/** Value of a function of signals; the component renders again when it changes. `deps` are its other dependencies. */
 export function useComputed<T>(
   read: () => T,
   deps: readonly unknown[],
   isEqual: (one: T, other: T) => boolean = Object.is,
 ): T {
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the caller says them
+  // biome-ignore lint/correctness/useExhaustiveDependencies: passed by the caller
   return useSignal(useMemo(() => computedWith(read, isEqual), deps));
 }
 
-/** A computed signal that keeps its value, the same object, as long as a new one would equal it. */
+/** A computed signal that keeps its object while new values equal it. */
 export function computedWith<T>(
   read: () => T,
   isEqual: (one: T, other: T) => boolean,
@@ -31,7 +31,7 @@ export function computedWith<T>(
   });
 }
 
-/** Whether two lists have the same members in the same order. */
+/** True if two lists are equal. */
 export function isSameList<T>(
   one: readonly T[] | null,
   other: readonly T[] | null,
@@ -43,7 +43,7 @@ export function isSameList<T>(
   );
 }
 
-/** Whether two plain objects have the same members. */
+/** True if two plain objects are equal. */
 export function isSameRecord<T extends object>(one: T | null, other: T | null): boolean {
   if (one === null || other === null) return one === other;
   return isSameList(Object.entries(one).flat(), Object.entries(other).flat());

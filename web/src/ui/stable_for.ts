@@ -1,5 +1,4 @@
-/** Whether what a press would meet has stood where it is for so long that the press can be meant for it. Buttons that moved under a
- * finger wait for it. */
+/** True if an element has kept its position long enough for a press to be intentional. Buttons that moved under a finger wait for it. */
 
 import { SLIP_MS } from "./confirm_press.ts";
 import { useDebounced } from "./debounced.ts";

@@ -12,7 +12,7 @@ import "./table.css";
 export interface TableColumn<T> {
   readonly key: string;
   readonly title: string;
-  /** Only for screen readers, where what stands below says enough. */
+  /** Hidden heading for screen readers. */
   readonly hideTitle?: boolean | undefined;
   /** As CSS grids write it: `120px`, `1fr`, `minmax(80px, 2fr)`; left out: `1fr`. */
   readonly width?: string | undefined;
@@ -23,18 +23,18 @@ export interface TableColumn<T> {
     | {
         /** The text that is edited; null where this row cannot be. */
         readonly value: (row: T) => string | null;
-        /** Says nothing if it is done, or why it was refused. */
+        /** Returns nothing on success, or the reason of a refusal. */
         readonly commit: (row: T, text: string) => Commit;
         readonly check?: ((row: T, text: string) => string | null) | undefined;
         readonly suggestions?: ((row: T) => readonly string[]) | undefined;
         readonly mono?: boolean | undefined;
       }
     | undefined;
-  /** Whether a click on the heading asks for this order. */
+  /** True if a click on the heading sorts by this column. */
   readonly sortable?: boolean | undefined;
 }
 
-/** How a row is chosen beside others: with Ctrl it is added or taken away, with Shift all rows up to it are. */
+/** Mode of a selection: Ctrl toggles a row, Shift selects a range. */
 export interface RowChoice {
   readonly toggle: boolean;
   readonly extend: boolean;
@@ -43,7 +43,7 @@ export interface RowChoice {
 const ALONE: RowChoice = { toggle: false, extend: false };
 
 export interface TableProps<T> {
-  /** What it is a table of, for screen readers. */
+  /** Accessible name. */
   readonly label: string;
   readonly columns: readonly TableColumn<T>[];
   readonly rows: readonly T[];
@@ -57,7 +57,7 @@ export interface TableProps<T> {
   readonly onHover?: ((row: T | null) => void) | undefined;
   readonly sort?: { readonly key: string; readonly down: boolean } | undefined;
   readonly onSort?: ((key: string) => void) | undefined;
-  /** Tall as its rows instead of filling its place: so many rows at most. */
+  /** Maximum number of visible rows, for a table that is as tall as its rows. */
   readonly rowsMax?: number | undefined;
   readonly hideHead?: boolean | undefined;
   /** Stays at its end while rows come. */
@@ -68,11 +68,11 @@ export interface TableProps<T> {
   readonly newRow?: string | undefined;
   /** The id of a row that is brought into sight whenever it is another. */
   readonly inSight?: string | undefined;
-  /** How a row looks beside others. */
+  /** Appearance of a row. */
   readonly rowClass?: ((row: T) => string | undefined) | undefined;
 }
 
-/** How high the head is: as `.table-head` in `table.css`. */
+/** Height of the head, equal to `.table-head` in `table.css`. */
 const HEAD_PX = 26;
 
 interface Cell {
@@ -130,7 +130,7 @@ export function Table<T>(props: TableProps<T>) {
     else place.current?.focus();
     setEditing(next !== null);
   };
-  // What is out of sight is not made, and cannot be named.
+  // Rows out of sight are not rendered and have no id.
   const isShown = sight.indices.includes(at);
   const height = rowsMax && Math.min(rows.length, rowsMax) * rowHeight() + headPx;
   return (
@@ -314,7 +314,7 @@ interface TableRowProps<T> {
   readonly index: number;
   readonly template: string;
   readonly cursor: Cursor;
-  /** Of the ids of its cells. */
+  /** Prefix of the ids of its cells. */
   readonly base: string;
   readonly onStop: (step: CellStep) => void;
 }

@@ -1,4 +1,4 @@
-/** Two texts as one: lines that came and went are marked, and long parts that are the same are folded. */
+/** The difference of two texts: added and removed lines are marked, and long unchanged parts are folded. */
 
 import { python } from "@codemirror/lang-python";
 import { HighlightStyle, syntaxHighlighting } from "@codemirror/language";
@@ -10,7 +10,7 @@ import { useEffect, useRef } from "react";
 import "./text_difference.css";
 
 interface TextDifferenceProps {
-  /** What it is the difference of, for screen readers. */
+  /** Accessible name. */
   readonly label: string;
   readonly old: string;
   readonly now: string;

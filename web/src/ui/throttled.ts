@@ -1,4 +1,4 @@
-/** A signal that is followed at a pace: the first change at once, then one in so many milliseconds, the last one always. */
+/** A throttled signal: the first change passes immediately, later ones at an interval, and the last one always. */
 
 import type { ReadonlySignal } from "@preact/signals-core";
 import { useEffect, useState } from "react";

@@ -1,4 +1,4 @@
-/** What browsers do for mice only: titles are shown to who has a keyboard or a finger, and a finger that rests asks for the menu. */
+/** Tooltips and context menus for keyboard and touch, which browsers offer only to mice. */
 
 import "./tips.css";
 
@@ -16,8 +16,7 @@ export function listenForTips(page: Document): () => void {
   };
 }
 
-/** Shows the title of what the keyboard comes to, and of a button that was tapped and can do nothing. Who reads the page aloud
- * says it anyway. */
+/** Shows the title of the focused element, and of a disabled button after a tap. Screen readers announce titles themselves. */
 function showTitles(page: Document): () => void {
   let tip: HTMLElement | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -71,7 +70,7 @@ function titled(target: EventTarget | null): HTMLElement | null {
   return target instanceof Element ? target.closest<HTMLElement>("[title]:not([title=''])") : null;
 }
 
-/** Some browsers tell of no menu when a finger rests. The canvas looks after its own fingers. */
+/** Some browsers send no event for a long press. The canvas handles its own. */
 function askForMenus(page: Document): () => void {
   let from: { readonly x: number; readonly y: number } | null = null;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -83,7 +82,7 @@ function askForMenus(page: Document): () => void {
     end();
     const asked = { bubbles: true, cancelable: true, clientX, clientY };
     const isMenu = !target?.dispatchEvent(new MouseEvent("contextmenu", asked));
-    // What is released now is no press: it would close the menu.
+    // This release is no click, which would close the menu.
     if (isMenu) page.addEventListener("touchend", (event) => event.preventDefault(), ONCE);
   };
   const begin = (event: PointerEvent) => {

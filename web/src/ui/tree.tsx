@@ -17,11 +17,11 @@ import { type TreeRow, type TreeSource, treeFind, treeKey, treeRows } from "./tr
 import "./tree.css";
 
 export interface TreeProps<T> extends TreeSource<T> {
-  /** What it is a tree of, for screen readers. */
+  /** Accessible name. */
   readonly label: string;
-  /** What the row says in words: its name, and what typing finds. */
+  /** Text of the row: its accessible name, and the target of type-ahead. */
   readonly text: (node: T) => string;
-  /** How the row looks; left out: its text. */
+  /** Content of the row; its text by default. */
   readonly row?: ((node: T) => ReactNode) | undefined;
   readonly onExpand: (node: T, open: boolean) => void;
   readonly selected?: ReadonlySet<string> | undefined;
@@ -71,7 +71,7 @@ export function Tree<T>(props: TreeProps<T>) {
     show(index);
     props.onSelect?.(row.node, { toggle: false });
   };
-  // What is out of sight is not made, and cannot be named.
+  // Rows out of sight are not rendered and have no id.
   const isShown = sight.indices.includes(active);
   const keys = useTreeKeys(props, rows, active, go, place);
   return (
@@ -200,7 +200,7 @@ function Row<T>({ tree, row, domId, top, height, active, onActive }: TreeRowProp
       draggable={tree.draggable?.(node) ?? false}
       style={{ height, transform: `translateY(${top}px)`, paddingLeft: 4 + depth * INDENT_PX }}
       onMouseDown={(event) => {
-        // Who prevents this prevents dragging, too.
+        // `preventDefault` here would prevent dragging, too.
         if (!event.currentTarget.draggable) event.preventDefault();
         event.currentTarget.closest<HTMLElement>(".tree")?.focus({ preventScroll: true });
       }}

@@ -1,9 +1,9 @@
-/** The rows of a tree that show: what is open, in order, with how deep it stands. Knows nothing of how they look. */
+/** Visible rows of a tree, in order, with their depth. Independent of rendering. */
 
 export interface TreeSource<T> {
   readonly roots: readonly T[];
   readonly id: (node: T) => string;
-  /** What is inside; null of what cannot be opened. */
+  /** Children; null for a leaf. */
   readonly childrenOf: (node: T) => readonly T[] | null;
   readonly expanded: ReadonlySet<string>;
 }
@@ -38,7 +38,7 @@ export function treeRows<T>({ roots, id, childrenOf, expanded }: TreeSource<T>):
   return rows;
 }
 
-/** What a key does in a tree: another active row, or a row to open or fold. */
+/** Effect of a key in a tree: another active row, or a row to open or fold. */
 type TreeMove =
   | { readonly to: number }
   | { readonly expand: number; readonly open: boolean }
