@@ -1,4 +1,4 @@
-/** What the Arrange menu does: states are put together, replaced, lined up, laid out and coloured. */
+/** Commands of the Arrange menu: group, substitute, align, lay out and colour states. */
 
 import type { StateKind } from "../model/generated/protocol.ts";
 import { readLayout } from "../model/layout_reader.ts";
@@ -156,7 +156,7 @@ function isStart(context: CommandContext): boolean {
   return path !== null && container !== undefined && startOf(container)?.to_state === idOf(path);
 }
 
-/** What a state is substituted with: which state, if not the selected one, and which library. */
+/** Arguments of a substitution: the state, by default the selected one, and the library. */
 interface Substitution {
   readonly path?: string;
   readonly library?: { readonly path: string; readonly name: string };
@@ -263,7 +263,7 @@ export async function proposeLayout(tab: OpenTab): Promise<boolean> {
   return false;
 }
 
-/** The level that one looks at: the container of what is selected, else the one that one works in. */
+/** The current level: the container of the selection, or the one that is being edited. */
 function levelToLayOut(context: CommandContext): string | null {
   const [first] = elements(context);
   if (first?.kind === "state") return parentOf(first.path) ?? first.path;

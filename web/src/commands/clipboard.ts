@@ -11,10 +11,10 @@ import { BROWSER_STORE, kept } from "../store/local_store.ts";
 /** As much of a drag's or paste's data as is needed. */
 export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
 
-/** What is written while the browser gives no clipboard: other tabs of this browser find it. */
+/** Storage key of copies while the browser grants no clipboard. Other tabs of this browser read it. */
 const STAND_IN = "rafcon.clipboard";
 
-/** What stands in the text: what an edit takes, and beside it what this page adds. */
+/** Content of the text: the payload of an edit, and the additions of this page. */
 interface ClipboardText {
   readonly rafcon?: Partial<Selection> | null;
   readonly ways?: CopiedWaypoints;
@@ -33,7 +33,7 @@ export function textOf(clip: Clip): string {
   return JSON.stringify(writtenOf(clip));
 }
 
-/** What a text holds for machines; null if it is about something else. */
+/** Parses a text with parts of machines; null for any other text. */
 export function clipIn(text: string): Clip | null {
   if (!text.trimStart().startsWith("{")) return null;
   try {
@@ -65,7 +65,7 @@ export async function write(clip: Clip, transfer: TextTransfer | null): Promise<
   else await navigator.clipboard?.writeText(text).catch(() => undefined);
 }
 
-/** Puts elements of a machine onto the clipboard; says why not if they cannot be copied. */
+/** Copies elements of a machine to the clipboard; reports the reason if that is impossible. */
 export async function copyElements(
   machine: Machine,
   elements: readonly ElementRef[],
@@ -77,11 +77,11 @@ export async function copyElements(
   return null;
 }
 
-/** What is said where there is nothing to paste. */
+/** Message for an empty clipboard. */
 export const NOTHING_COPIED =
   "The clipboard has no states, ports or outcomes. Copy some first, here or in another tab.";
 
-/** What is on the clipboard; null if it is about something else. */
+/** Content of the clipboard; null if it has no parts of machines. */
 export async function read(transfer: TextTransfer | null): Promise<Clip | null> {
   if (transfer) return clipIn(transfer.getData("text/plain"));
   const text = await navigator.clipboard?.readText().catch(() => undefined);

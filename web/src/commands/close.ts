@@ -1,4 +1,4 @@
-/** How tabs are closed: nothing that is not saved goes without a word. */
+/** Closes tabs. Unsaved edits are never discarded without a question. */
 
 import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";

@@ -8,7 +8,7 @@ import type { OpenTab, Page } from "../store/page/page.ts";
 /** The menus of the bar, in order. */
 export const MENUS = ["File", "Edit", "Insert", "Arrange", "View", "Run", "Help"] as const;
 
-/** Where a command stands in the menus: `Edit/2` is the second block of Edit, `Arrange/1/Align` the menu Align in the first of
+/** Position of a command in the menus: `Edit/2` is the second block of Edit, `Arrange/1/Align` the menu Align in the first of
  * Arrange. Left out: in the palette only. */
 export type MenuPlace =
   | `${(typeof MENUS)[number]}/${number}`
@@ -23,7 +23,7 @@ export interface CommandChoice {
   readonly disabled?: boolean;
 }
 
-/** What dialogs are asked and answer. */
+/** Requests and results of dialogs. */
 export interface Dialogs {
   /** A machine to open. */
   readonly open: { readonly asks: undefined; readonly answer: MachineFile };
@@ -42,9 +42,9 @@ export interface Dialogs {
     readonly answer: { readonly path: string; readonly name: string };
   };
   readonly colour: { readonly asks: Rgb | null; readonly answer: { readonly rgb: Rgb | null } };
-  /** What a run of the machine of a tab starts with. */
+  /** Start parameters of a run. */
   readonly "start-run": { readonly asks: OpenTab; readonly answer: Partial<Start> };
-  /** What becomes of the scripts that a crash has interrupted. */
+  /** Fate of the scripts that a crash has interrupted. */
   readonly "resume-crashed": { readonly asks: Watch; readonly answer: OnCrash };
   /** Edits of the machine of a tab that were set aside. */
   readonly "set-aside": { readonly asks: OpenTab; readonly answer: undefined };
@@ -57,7 +57,7 @@ export interface Dialogs {
 /** A colour as files keep it: red, green, blue from 0 to 1. */
 export type Rgb = readonly [number, number, number];
 
-/** How the panels stand. */
+/** Arrangement of the panels. */
 export interface Layouts {
   /** Those that ship, then those that the user saved. */
   readonly names: () => readonly string[];
@@ -74,9 +74,9 @@ export interface Layouts {
 
 export type PanelSide = "left" | "right" | "bottom";
 
-/** What the shell does for commands: it asks, shows and opens. */
+/** Services of the shell for commands: questions, notices and dialogs. */
 export interface Shell {
-  /** Asks for yes or no; the words of the buttons say what happens. */
+  /** Asks a question with two buttons that name their actions. */
   readonly confirm: (question: {
     title: string;
     text: string;
@@ -84,7 +84,7 @@ export interface Shell {
     no?: string;
     danger?: boolean;
   }) => Promise<boolean>;
-  /** Asks for one of several; null if the user wants none. */
+  /** Asks for one of several choices; null if the user cancels. */
   readonly choose: <T extends string>(question: {
     title: string;
     text: string;
@@ -107,12 +107,12 @@ export interface Shell {
     argument: Dialogs[N]["asks"],
   ) => Promise<Dialogs[N]["answer"] | null>;
   readonly openPalette: (query?: string) => void;
-  /** Shows the whole machine on the canvas, as soon as the panels stand. */
+  /** Fits the machine into the canvas once the panels are in place. */
   readonly overview: () => void;
   readonly layouts: Layouts;
 }
 
-/** All that a command may look at and use. */
+/** Context of a command. */
 export interface CommandContext {
   readonly page: Page;
   readonly tab: OpenTab | null;
@@ -123,7 +123,7 @@ export interface CommandContext {
 export interface UserCommand {
   /** `edit.delete`: words that stay. */
   readonly id: string;
-  /** "Delete": what menus and palette say. */
+  /** Label in menus and palette, such as "Delete". */
   readonly title: string;
   /** One sentence more, for tooltips and the palette. */
   readonly detail?: string;
@@ -132,20 +132,20 @@ export interface UserCommand {
   /** Keys of the map for those who come from the reference. */
   readonly classic?: readonly string[];
   readonly menu?: MenuPlace;
-  /** Whether it can be done now. Left out: always. */
+  /** True if the command is available; always by default. */
   readonly enabled?: (context: CommandContext) => boolean;
-  /** What to do first where `enabled` says no: "select a state first". */
+  /** Instruction while `enabled` is false, such as "select a state first". */
   readonly needs?: string;
-  /** Why it cannot be done now, and the way out; null: it can. For commands whose reasons are not plain to see. */
+  /** Reason and remedy while the command is unavailable; null if it is available. For commands whose reasons are not obvious. */
   readonly refusal?: (context: CommandContext, argument?: unknown) => string | null;
   /** For switches: whether it is on. */
   readonly checked?: (context: CommandContext) => boolean;
-  /** What it can be done with: a menu of its own, each entry of which runs it with its argument. */
+  /** Choices of the argument: a submenu whose entries run the command. */
   readonly choices?: (context: CommandContext) => readonly CommandChoice[];
   readonly run: (context: CommandContext, argument?: unknown) => unknown;
 }
 
-/** Why the command cannot be done now, empty where that is plain to see; null: it can. */
+/** Reason why the command is unavailable, empty if it is obvious; null if it is available. */
 export function refusalOf(
   command: UserCommand,
   context: CommandContext,
@@ -159,13 +159,13 @@ export function refusalOf(
 export class Commands {
   readonly #all = new Map<string, UserCommand>();
 
-  /** Why a command cannot be run now; null if it can. One that does not exist is refused without words. */
+  /** Reason why a command cannot be run; null if it can. Unknown commands are refused without a reason. */
   refusalOf(id: string, context: CommandContext): string | null {
     const command = this.#all.get(id);
     return command ? refusalOf(command, context) : "";
   }
 
-  /** Adds commands. An id that is there already is a mistake of the program. */
+  /** Registers commands. A repeated id is a programming error. */
   add(commands: readonly UserCommand[]): void {
     for (const command of commands) {
       if (this.#all.has(command.id)) throw new Error(`there are two commands ${command.id}`);
@@ -181,7 +181,7 @@ export class Commands {
     return [...this.#all.values()];
   }
 
-  /** Runs the command if it can be done now; false if there is none or it cannot. What it throws is told to the user. */
+  /** Runs an available command; false if it is unknown or unavailable. Errors are reported to the user. */
   run(id: string, context: CommandContext, argument?: unknown): boolean {
     const command = this.#all.get(id);
     context.canvas?.flush();

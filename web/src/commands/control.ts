@@ -1,4 +1,4 @@
-/** Who is in control of the run in front, and how that changes. */
+/** Commands for the control of the current run. */
 
 import type { Control, ControlMove } from "../model/generated/protocol.ts";
 import { sessionOfPage, summaryOf } from "../store/run/running.ts";
@@ -101,7 +101,7 @@ function askers({ tab }: CommandContext): readonly CommandChoice[] {
   return requests.map((user) => ({ title: user, detail: "asks for control", argument: user }));
 }
 
-/** Why control cannot be moved so; null if it can. */
+/** Reason why control cannot be passed this way; null if it can. */
 function refusalOfMove(context: CommandContext, wanted: ControlMove["move"]): string | null {
   const why = cannotCommand(context, { rest: true });
   const control = context.tab?.run.value?.now.value?.control;
@@ -112,7 +112,7 @@ function refusalOfMove(context: CommandContext, wanted: ControlMove["move"]): st
   return isMine ? ofHolder(control, wanted) : ofOther(context, control, session.user, wanted);
 }
 
-/** What who is in control cannot do about it. */
+/** Restrictions of the user in control. */
 function ofHolder({ offered_to }: Control, wanted: ControlMove["move"]): string | null {
   switch (wanted) {
     case "hand_over":
@@ -125,7 +125,7 @@ function ofHolder({ offered_to }: Control, wanted: ControlMove["move"]): string 
   }
 }
 
-/** What somebody else cannot do about it. */
+/** Restrictions of other users. */
 function ofOther(
   context: CommandContext,
   { holder, requests, offered_to }: Control,
@@ -151,7 +151,7 @@ function ofOther(
   }
 }
 
-/** The server tells of a holder who goes on being heard once in this part of the silence: they may have been heard so much later. */
+/** The server reports a present holder once in this fraction of the silence, so the holder may have been heard that much later. */
 const UNTOLD = 1 / 10;
 
 /** Time until control can be taken over from its holder, in ms; 0: now. Silence of the server is no silence of the holder. */

@@ -7,8 +7,8 @@ import { type Drafts, draftKey, drafts, type FieldDraft } from "../store/documen
 import { wasRefused } from "../store/document/machine_session.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 
-/** Applies the drafts of a machine. Those that cannot be applied stay drafts, and the user is told why; false if there are any.
- * Drafts of states that are gone wait for an undo: the inspector lists them. */
+/** Applies the drafts of a machine. Drafts that cannot be applied remain, and the reason is reported; false if there are any.
+ * Drafts of deleted states wait for an undo; the inspector lists them. */
 export async function applyDrafts(
   page: Pick<Page, "tell">,
   { session }: Pick<OpenTab, "session">,

@@ -1,4 +1,4 @@
-/** What the Edit menu does: back and on, the clipboard, what is selected. */
+/** Commands of the Edit menu: undo and redo, clipboard, selection. */
 
 import type { ElementRef } from "../model/element.ts";
 import { boundsOf, intersects, type Point } from "../model/geometry.ts";
@@ -159,7 +159,7 @@ export const EDIT: readonly UserCommand[] = [
   },
 ];
 
-/** How far duplicates stand from their originals: beside them or below where there is room, else a little shifted. */
+/** Offset of duplicates: beside or below the originals if there is room, otherwise slightly shifted. */
 export function besides(machine: Machine, paths: readonly string[]): Point {
   const own = boundsOf(paths.map((path) => boxIn(machine, path)));
   const container = parentOf(paths[0] ?? "");

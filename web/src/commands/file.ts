@@ -1,4 +1,4 @@
-/** What the File menu does: machines come from projects, go back there, and are closed. */
+/** Commands of the File menu: open, save and close machines. */
 
 import type { MachineFile, MachineSummary } from "../model/generated/protocol.ts";
 import type { OpenTab } from "../store/page/page.ts";

@@ -1,4 +1,4 @@
-/** What the Help menu does, and the palette. */
+/** Commands of the Help menu, and the palette. */
 
 import type { UserCommand } from "./command.ts";
 

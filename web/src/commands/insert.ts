@@ -1,4 +1,4 @@
-/** What the Insert menu does: states, ports, outcomes, connections. */
+/** Commands of the Insert menu: states, ports, outcomes, connections. */
 
 import type { Document, StateDocument, StateKind } from "../model/generated/protocol.ts";
 import type { Point } from "../model/geometry.ts";
@@ -38,7 +38,7 @@ function addHere(context: CommandContext, kind: Exclude<StateKind, "library" | "
   return place && perform(context, (m) => addState(m, place.path, kind, place.at));
 }
 
-/** What a library is inserted with: which one, and where if it was dropped somewhere. */
+/** Arguments of an inserted library: its path, and the position of a drop. */
 interface InsertLibrary {
   /** A library root and the folders below it. */
   readonly path: string;
@@ -238,7 +238,7 @@ const CONNECTIONS: readonly UserCommand[] = [
   ),
 ];
 
-/** What can stand in a transition: a new state of a kind, or one that runs a library that is asked for. */
+/** Choices for a state in a transition: a new state of a kind, or a library state. */
 const INTO_TRANSITION: UserCommand = {
   id: "insert.into-transition",
   title: "Insert into transition",
@@ -276,7 +276,7 @@ function transitionOf(context: CommandContext) {
   return machineOf(context)?.state(line.path)?.kind === "hierarchy" ? line : null;
 }
 
-/** What stands for the kind of what is selected: used by "Add" of the reference. */
+/** The command for the kind of the selection: used by "Add" of the reference. */
 const ADD: UserCommand = {
   id: "insert.fitting",
   title: "Add state or outcome",

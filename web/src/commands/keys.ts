@@ -67,7 +67,7 @@ export function latinKey({ key, code }: Pick<Pressed, "key" | "code">): string {
   return isForeign(key, /^\p{L}$/u) && /^Key[A-Z]$/.test(code) ? code.slice(3).toLowerCase() : key;
 }
 
-/** What a user wrote, as keys are named here: `shift+ctrl+z` is `Ctrl+Shift+Z`; null if it is no key. */
+/** Normalises a key of the user: `shift+ctrl+z` is `Ctrl+Shift+Z`; null if it is no key. */
 export function readKey(text: string): string | null {
   const parts = text.split("+").map((part) => part.trim());
   const last = parts.pop() ?? "";
@@ -84,12 +84,12 @@ export function readKey(text: string): string | null {
   return [...held, key].join("+");
 }
 
-/** Whether the key would type or move in a text, so that it counts on the canvas only. */
+/** True if the key types or moves in a text, so that it works on the canvas only. */
 export function isCanvasKey(key: string): boolean {
   return !key.includes("Ctrl+") && !key.includes("Alt+") && !/^(Shift\+)?F\d+$/.test(key);
 }
 
-/** What text fields do themselves with these. */
+/** Keys that text fields handle themselves. */
 const IN_TEXT = new Set([
   "Ctrl+A",
   "Ctrl+C",
@@ -111,12 +111,12 @@ const IN_TEXT = new Set([
   "Ctrl+Space",
 ]);
 
-/** Whether a text field that has the focus keeps the key. */
+/** True if a focused text field handles the key. */
 export function isTextKey(key: string): boolean {
   return isCanvasKey(key) || IN_TEXT.has(key);
 }
 
-/** What browsers keep for themselves in a window with tabs; in a window of its own (installed) the page has them. */
+/** Keys that browsers reserve in windows with tabs. In a window of its own (installed) the page receives them. */
 const KEPT_BY_BROWSER = new Set([
   "Ctrl+N",
   "Ctrl+T",

@@ -1,4 +1,4 @@
-/** The layout engine, in a worker of its own, so that the page goes on while it thinks. */
+/** The layout engine in a worker, so that the page stays responsive. */
 
 import type { ELK } from "elkjs/lib/elk-api.js";
 import type { Layouter } from "../plan/arrange.ts";

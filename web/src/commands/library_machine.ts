@@ -12,7 +12,7 @@ export async function openLibrary(context: CommandContext): Promise<void> {
   if (library) await openLibraryMachine(context.page, library);
 }
 
-/** Shows which of all libraries a state runs; the user is told if it is not among them. */
+/** Selects the library of a state in the list of libraries; reports a library that is not listed. */
 export function showLibrary(context: CommandContext): void {
   const library = libraryAround(context)?.library;
   if (!library) return;
@@ -29,7 +29,7 @@ export function showLibrary(context: CommandContext): void {
   context.shell.showPanel("libraries");
 }
 
-/** Opens the machine of a library in a tab of its own, if it lies in a project; the user is told if it does not. */
+/** Opens the machine of a library in a tab if it is in a project; reports it otherwise. */
 export async function openLibraryMachine(page: Page, library: LibraryName): Promise<void> {
   const [rootName = "", ...folders] = library.path.split("/");
   const root = page.libraries.peek().find((each) => each.name === rootName);

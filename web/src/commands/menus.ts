@@ -1,4 +1,4 @@
-/** Menus as lists of commands: the bar from where commands say they stand, context menus from what was clicked. */
+/** Menus as lists of commands: the menu bar by the positions of commands, context menus by the clicked element. */
 
 import type { ElementRef } from "../model/element.ts";
 import type { CommandContext, Commands, UserCommand } from "./command.ts";
@@ -19,7 +19,7 @@ export type CommandMenuEntry =
       readonly run?: () => void;
     };
 
-/** What menus are made with. */
+/** Input of menus. */
 interface MenuSource {
   readonly commands: Commands;
   readonly context: CommandContext;

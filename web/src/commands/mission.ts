@@ -1,4 +1,4 @@
-/** What mission control does beside steering a run: answers to questions, what was seen by a human. */
+/** Commands of mission control: answers to questions, and acknowledgements. */
 
 import { effect } from "@preact/signals-core";
 import type { JsonValue, Question } from "../model/generated/protocol.ts";
@@ -14,7 +14,7 @@ import { failureOf } from "./send_command.ts";
 export const MISSION_LAYOUT = "Mission control";
 export const MISSION_PANEL = "mission";
 
-/** What `run.answer` needs to be told. */
+/** Arguments of `run.answer`. */
 interface Answering {
   readonly question: Question;
   readonly value: JsonValue;
@@ -70,10 +70,10 @@ export const MISSION: readonly UserCommand[] = [
   },
 ];
 
-/** So long the answer of somebody else may be on its way. */
+/** Time in which the answer of another user may arrive, in ms. */
 const OTHERS_MS = 1_000;
 
-/** Of two answers one counts: who came too late is told who was first, and not why a command is refused. */
+/** Only the first answer counts. The user of a later one reads who was first instead of the reason of a refusal. */
 async function answer(
   { page, tab }: CommandContext,
   question: Question,
@@ -103,7 +103,7 @@ function otherAnswer(watch: Watch, question: number): Promise<string | null> {
   });
 }
 
-/** Where the run is shown already, else where runs of its machine are. */
+/** The tab that shows the run, or the one for runs of its machine. */
 async function toRun(page: Page, run: string): Promise<void> {
   if (runOf(page)?.id === run) return;
   const there = page.tabs.peek().find((tab) => tab.run.peek()?.id === run);

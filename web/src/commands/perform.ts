@@ -12,7 +12,7 @@ import type { CommandContext } from "./command.ts";
 /** Edits that are not shown before they are answered, by machine: until then the selection names what they are about to change. */
 const UNSHOWN = new WeakMap<MachineSession, Promise<unknown>>();
 
-/** Makes the edit in the machine in front; false if it was refused, which the user is told. What was done in a hurry after an
+/** Applies the edit to the current machine; false if it was refused, which is reported. What was done in a hurry after an
  * edit that is not shown yet waits for it, and is planned by what is selected then. */
 export async function perform(
   context: CommandContext,

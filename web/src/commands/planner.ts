@@ -31,7 +31,7 @@ export function containerForPlan(context: CommandContext, taken: Taken | null): 
   return container ?? context.tab?.session.machine.root ?? "";
 }
 
-/** Whether the answer is a part of the machine: undo takes it out again. Reads signals. */
+/** True if the plan is part of the machine; undo removes it. Reads signals. */
 export function isTaken({ session }: Pick<OpenTab, "session">, planner: Planner): boolean {
   session.version.value;
   const taken = planner.taken.value;
@@ -39,7 +39,7 @@ export function isTaken({ session }: Pick<OpenTab, "session">, planner: Planner)
   return isAnswer && session.machine.state(taken.path) !== undefined;
 }
 
-/** What a planner offers as it would stand in the machine; a text says why it cannot. */
+/** The offered plan as a part of the machine, or the reason why it does not fit. */
 export function ghostOf({ session }: OpenTab, planner: Planner): GhostMachine | string | null {
   const found = planner.found.value;
   session.version.value;

@@ -1,4 +1,4 @@
-/** What the Run menu does first: runs begin, pause, go on and end. */
+/** First commands of the Run menu: start, pause, resume and stop. */
 
 import type { Start, Watch } from "../store/history/run.ts";
 import type { CommandContext, UserCommand } from "./command.ts";

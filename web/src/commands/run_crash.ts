@@ -1,4 +1,4 @@
-/** What becomes of a run whose runner died, and of one whose machine was edited. */
+/** Commands for crashed runs, and for runs of an edited machine. */
 
 import type { OnCrash } from "../model/generated/protocol.ts";
 import { activeStates } from "../store/run/active.ts";

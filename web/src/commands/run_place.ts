@@ -1,4 +1,4 @@
-/** Runs from, to and of the selected state: of the run in front if it goes on, else of a new one. */
+/** Run from, to and only the selected state, in the current run or in a new one. */
 
 import type { Command as RunCommand, StartRun } from "../model/generated/protocol.ts";
 import { liveRun } from "../store/run/running.ts";
@@ -55,9 +55,9 @@ export const RUN_PLACE: readonly UserCommand[] = [
 
 interface StateCommand {
   readonly id: string;
-  /** What a run that goes on is told. */
+  /** The command for an active run. */
   readonly type: "run_selected" | "run_only_selected";
-  /** What a new run does once it has left the state. */
+  /** Action of a new run after the state. */
   readonly afterwards: StartRun["afterwards"];
 }
 

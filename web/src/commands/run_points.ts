@@ -1,4 +1,4 @@
-/** Where a run is held, and what becomes of a state by hand: breakpoints, outcomes that somebody chooses, preemption. */
+/** Breakpoints, forced outcomes and preemption. */
 
 import type { Breakpoint } from "../model/generated/protocol.ts";
 import { outcomesOf } from "../model/machine.ts";
@@ -93,13 +93,13 @@ export const RUN_POINTS: readonly UserCommand[] = [
   },
 ];
 
-/** Why breakpoints cannot be set; those for the next start belong to this browser. */
+/** Reason why breakpoints cannot be set. Those for the next start are stored in this browser. */
 export function cannotSetBreakpoints(context: CommandContext): string | null {
   if (!context.tab) return "open a machine first";
   return liveRun(context.tab) ? cannotCommand(context) : null;
 }
 
-/** Why conditions cannot be set. */
+/** Reason why conditions cannot be set. */
 export function cannotSetConditions({ page, tab }: CommandContext): string | null {
   if (lacks(page, "edit") !== null) {
     return "a condition is Python code, which only engineers and admins may add to a run";
@@ -108,7 +108,7 @@ export function cannotSetConditions({ page, tab }: CommandContext): string | nul
   return watch ? robotRefuses(watch, "edit") : null;
 }
 
-/** Sets it in the run that goes on, and for the next start. */
+/** Sets it in the active run and for the next start. */
 export async function setBreakpoint(
   context: CommandContext,
   breakpoint: Breakpoint,
@@ -152,7 +152,7 @@ async function toggle(context: CommandContext, argument: unknown): Promise<void>
   if (there.length === 0) await setBreakpoint(context, newBreakpoint(freshId(context.tab), path));
 }
 
-/** The argument is a breakpoint that is there, or the path of a state for a new one. */
+/** The argument is an existing breakpoint, or the path of a state for a new one. */
 async function editBreakpoint(context: CommandContext, argument: unknown): Promise<void> {
   const { tab, shell } = context;
   if (!tab) return;

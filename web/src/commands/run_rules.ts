@@ -1,4 +1,4 @@
-/** What may be done with a run now, or why not: by the role, by who holds control, and by how the run stands. */
+/** Permitted commands of a run, or the reasons against them: role, control and state of the run. */
 
 import type { LinkRights, Right, RunStatus, Snapshot } from "../model/generated/protocol.ts";
 import { runStatusWords } from "../model/run_words.ts";
@@ -16,7 +16,7 @@ const NEEDED: Readonly<Partial<Record<Right, string>>> = {
   administer: "only admins may do this",
 };
 
-/** Why the right is missing; null if it is there. While the server cannot be asked, commands wait for it. */
+/** Reason why the right is missing; null if the user has it. Commands wait while the server is not connected. */
 export function lacks({ server }: Page, right: Right): string | null {
   const link = server.link.value;
   if (link.state !== "up" || link.session.rights.includes(right)) return null;
@@ -29,7 +29,7 @@ const ALLOWED: Readonly<Record<LinkRights, string>> = {
   change: "do everything",
 };
 
-/** Why the robot of a run would refuse what needs the right, by its pairing with this station; null if it would not, or if that is
+/** Reason why the robot would refuse the right by its pairing with this station; null if it would not, or if that is
  * unknown. */
 export function robotRefuses({ now }: Watch, right: Right): string | null {
   const { robot, rights } = now.value?.robot ?? {};
@@ -39,7 +39,7 @@ export function robotRefuses({ now }: Watch, right: Right): string | null {
   return `${robot} lets users of this station only ${ALLOWED[rights]}: pair again with \`rafcon pair ${robot} --rights ${needed}\` on the robot`;
 }
 
-/** Why nothing can be started. */
+/** Reason why no run can be started. */
 export function cannotStart({ page, tab }: CommandContext): string | null {
   if (!tab) return "open a machine first";
   if (page.server.link.value.state !== "up") return "there is no connection to the server";
@@ -52,7 +52,7 @@ export function cannotStart({ page, tab }: CommandContext): string | null {
   return lacks(page, "start");
 }
 
-/** Who else holds control of the run, if anybody does. */
+/** Another user in control of the run, if there is one. */
 function otherHolder(page: Page, watch: Watch): string | null {
   const holder = watch.now.value?.control.holder ?? null;
   const link = page.server.link.value;
@@ -60,7 +60,7 @@ function otherHolder(page: Page, watch: Watch): string | null {
   return isOther ? holder : null;
 }
 
-/** Why the run in front cannot be commanded; `rest`: to bring it to rest needs no control. */
+/** Reason why the current run cannot be commanded. With `rest`, for stop and pause, which need no control. */
 export function cannotCommand(
   { page, tab }: CommandContext,
   { right = "command", rest = false }: { readonly right?: Right; readonly rest?: boolean } = {},
@@ -83,7 +83,7 @@ function overInWords(watch: Watch): string {
   return word === "finished" ? "the run has ended: start another" : "the run did not start";
 }
 
-/** Why a command that needs one of these can do nothing now. */
+/** Reason why a command that needs one of these has no effect. */
 export function cannotWhile(
   context: CommandContext,
   fits: readonly RunStatus[],
@@ -111,7 +111,7 @@ function notWhile(status: RunStatus): string {
   }
 }
 
-/** Whether something of the run stands still, so that it can be stepped. */
+/** True if a branch is paused and can be stepped. */
 export function isHeld({ active }: Snapshot): boolean {
   return active.some(({ held }) => held.length > 0);
 }
@@ -121,5 +121,5 @@ export function pathFor(context: CommandContext, argument: unknown): string | nu
   return typeof argument === "string" ? argument : (anyOnlyState(context)?.path ?? null);
 }
 
-/** Why no one state is meant. */
+/** Reason why the selection is not a single state. */
 export const NO_STATE = "select one state first";

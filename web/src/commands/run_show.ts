@@ -154,7 +154,7 @@ function choicesOf(
   }));
 }
 
-/** The argument is the number of an entry; left out, it is the one that goes on from the moment which is shown. */
+/** The argument is the number of an entry, by default the one that follows the shown moment. */
 async function startFromHistory(context: CommandContext, argument: unknown): Promise<void> {
   const watch = context.tab?.run.peek();
   if (!watch) return;

@@ -1,4 +1,4 @@
-/** How a run begins: what is not saved is asked about, then the machine starts as it lies on disk, with the breakpoints kept for it. */
+/** Starts runs: asks about unsaved edits, then starts the machine on the disk with its stored breakpoints. */
 
 import { effect } from "@preact/signals-core";
 import type { Breakpoint, MachineFile } from "../model/generated/protocol.ts";
@@ -13,7 +13,7 @@ import { lacks } from "./run_rules.ts";
 import { isChanged, saveTab } from "./save.ts";
 import { canEdit } from "./subject.ts";
 
-/** Starts a run of the machine in front and shows it; null if the user wanted none. */
+/** Starts a run of the current machine and shows it; null if the user cancels. */
 export async function startRun(
   context: CommandContext,
   more: Partial<Start> = {},
@@ -37,7 +37,7 @@ function introduceTimeline({ page, shell }: CommandContext): void {
   shell.showPanel("timeline");
 }
 
-/** A second run beside one that goes on is seldom meant: robots have one body. */
+/** A second active run is rarely intended, because a robot has one body. */
 async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Promise<boolean> {
   const live = runningBeside(page, tab);
   const [first] = live;
@@ -74,7 +74,7 @@ async function confirmErrors({ shell }: CommandContext, tab: OpenTab): Promise<b
   return choice === START_ANYWAY.value;
 }
 
-/** So many errors are listed before a start. */
+/** Limit of the errors listed before a start. */
 const ERRORS_SHOWN = 3;
 const SHOW_ERRORS = { value: "show", title: "Show the problems" } as const;
 const START_ANYWAY = {
@@ -83,7 +83,7 @@ const START_ANYWAY = {
   detail: "States with errors abort, or the run waits there.",
 } as const;
 
-/** The folder of the machine, saved if the user wants; null if nothing is to be started. */
+/** The folder of the machine, saved on request; null if the user cancels. */
 async function asOnDisk(context: CommandContext, tab: OpenTab): Promise<MachineFile | null> {
   if (tab.session.fixed !== null) {
     const file = fileOfTab(tab);
@@ -136,7 +136,7 @@ function until<T>(read: () => T | null): Promise<T> {
   });
 }
 
-/** Conditions are Python: whoever may not edit starts without the breakpoints that have some, and is told. */
+/** Conditions are Python. Users without the right to edit start without such breakpoints, which is reported. */
 function allowed({ page }: CommandContext, all: readonly Breakpoint[]): Breakpoint[] {
   if (lacks(page, "edit") === null) return [...all];
   const plain = all.filter(({ condition }) => condition === null);

@@ -1,4 +1,4 @@
-/** How machines and states come back to disk: where they lie, elsewhere, as copies, as libraries. */
+/** Saves machines and states: in place, elsewhere, as copies, as libraries. */
 
 import type { SavedState } from "../model/generated/protocol.ts";
 import { comparisonOf } from "../store/page/comparison.ts";
@@ -8,12 +8,12 @@ import type { CommandContext } from "./command.ts";
 import { applyDrafts } from "./drafts.ts";
 import { onlyState } from "./subject.ts";
 
-/** Whether the machine has edits that do not lie on disk. */
+/** True if the machine has unsaved edits. */
 export function isChanged(tab: OpenTab): boolean {
   return tab.session.status.value?.summary.is_changed ?? false;
 }
 
-/** An id for a request, as the server wants one with whatever changes something. */
+/** A new id for a request that changes something. */
 export function requestId(): string {
   const bytes = crypto.getRandomValues(new Uint8Array(12));
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");

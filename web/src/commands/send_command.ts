@@ -26,7 +26,7 @@ export async function sendCommandTo(
   return why === null;
 }
 
-/** Why a command was not carried out; null if it was. */
+/** Reason why a command was not carried out; null if it was. */
 export function failureOf({ answer }: SentCommand): string | null {
   switch (answer?.answer) {
     case "applied":

@@ -1,4 +1,4 @@
-/** What commands act upon: the selection, and whether it may be edited. Menus and keys go by these rules. */
+/** The selection as the subject of commands, and the rules for editing it. */
 
 import { type ElementRef, elementOf } from "../model/element.ts";
 import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
@@ -11,7 +11,7 @@ import { mayEdit } from "../store/page/rights.ts";
 import { selected, selectedStates } from "../store/page/view.ts";
 import type { CommandContext } from "./command.ts";
 
-/** Whether the machine in front can be edited. */
+/** True if the current machine can be edited. */
 export function canEdit(context: CommandContext): boolean {
   return context.tab !== null && context.tab.session.fixed === null && mayEdit(context.page);
 }
@@ -62,7 +62,7 @@ export function libraryAround(context: CommandContext): StateDocument | null {
   return null;
 }
 
-/** Why what is selected cannot be changed, if all of it belongs to libraries. */
+/** Reason why the selection cannot be changed, if all of it belongs to libraries. */
 export function whyNot(context: CommandContext): string | null {
   const machine = machineOf(context);
   const [first] = context.tab ? selected(context.tab.view) : [];
@@ -90,7 +90,7 @@ export function containerOf(context: CommandContext): string | null {
   return null;
 }
 
-/** Where something new would go: under the pointer if it is over the canvas, else into the selected container. */
+/** Place of a new element: under the pointer on the canvas, or in the selected container. */
 export function placeForNew(context: CommandContext): { path: string; at?: Point } | null {
   const under = context.canvas?.pointer() ?? null;
   const machine = machineOf(context);
@@ -110,7 +110,7 @@ export function ownerForNew(context: CommandContext): string | null {
   return context.canvas?.pointer()?.path ?? null;
 }
 
-/** Whether all selected states stand in one container: what group, align and the like need. */
+/** True if all selected states are in one container, as group and align require. */
 export function siblings(context: CommandContext, count: number): boolean {
   const paths = states(context);
   const parent = paths[0] === undefined ? null : parentOf(paths[0]);

@@ -1,4 +1,4 @@
-/** What the View menu does: where to look, what shows, how the panels stand. Nothing here changes a machine. */
+/** Commands of the View menu: camera, layers and panels. None changes a machine. */
 
 import { readLayout } from "../model/layout_reader.ts";
 import type { Settings } from "../store/page/page.ts";

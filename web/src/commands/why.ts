@@ -1,10 +1,10 @@
-/** Why a command that is plainly out of the question is so: for those who ask for it by a key, without a menu before their eyes. */
+/** Obvious reasons of unavailable commands, for users who press a key and see no menu. */
 
 import { whyFixed } from "../store/page/rights.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { whyNot } from "./subject.ts";
 
-/** The reason, or what to do first; null while no machine is open, or if there is nothing to say. */
+/** The reason or an instruction; null while no machine is open, or without a reason. */
 export function whyDisabled(command: UserCommand, context: CommandContext): string | null {
   const { page, tab } = context;
   if (!tab) return null;
