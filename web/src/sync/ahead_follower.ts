@@ -6,7 +6,7 @@ import type { Watch } from "../store/history/run.ts";
 import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
-/** What is watched may change several times in a moment: the robot is asked once. */
+/** Several changes of the watched values at once make one request. */
 const SETTLE_MS = 300;
 
 interface AheadPorts {

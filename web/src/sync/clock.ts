@@ -3,7 +3,7 @@
 export interface Clock {
   /** ms since 1970. */
   readonly now: () => number;
-  /** Calls once after so many ms, unless the returned function is called before. */
+  /** Calls once after this time in ms, unless the returned function is called before. */
   readonly after: (ms: number, call: () => void) => () => void;
 }
 

@@ -19,9 +19,9 @@ export interface CommandOutboxPorts {
   readonly server: Server;
   readonly clock: Clock;
   readonly newId: () => string;
-  /** Where they go. */
+  /** Path of the requests. */
   readonly path: string;
-  /** The last event that was told. */
+  /** Last received event. */
   readonly decidedOn: () => number;
   /** Lifetime over the link to the run of a command with this length in bytes, at this time of the server; null without a link. */
   readonly linkLifetime_ms?: (bytes: number, server_ms: number) => number | null;
@@ -34,17 +34,17 @@ interface CommandOnItsWay {
   readonly body: Envelope;
   /** When nobody asks for its fate any more. */
   readonly end_ms: number;
-  /** Whether an answer may have been lost. */
+  /** True if an answer may have been lost. */
   isUncertain: boolean;
 }
 
-/** Lifetime of a command without a link, as `Command::lifetime_ms` in the protocol says. */
+/** Lifetime of a command without a link, equal to `Command::lifetime_ms` of the protocol. */
 const PATIENCE_MS = 10_000;
-/** What only brings a run to its end is wanted whenever it arrives. */
+/** A stop is wanted whenever it arrives. */
 const LASTING: readonly Command["type"][] = ["stop", "kill"];
-/** So long after its expiry its fate is asked for. Then it is lost. */
+/** Time after the expiry in which the fate is requested, in ms. Later the command counts as lost. */
 const FATE_MS = 600_000;
-/** So many answered commands are kept. */
+/** Capacity of the answered commands. */
 const SENT_MAX = 50;
 
 /** As `LinkLifetime` in the protocol: the time to send a command is added twice, for parts that are lost, and a lifetime counts from
@@ -107,7 +107,7 @@ export class CommandOutbox {
     return sent;
   }
 
-  /** The history tells what became of commands, whoever sent them. */
+  /** The history contains the fates of all commands of all users. */
   received(event: Event): void {
     if (event.type !== "commanded") return;
     // There ids are their author's: `anna/17`.

@@ -7,7 +7,7 @@ import { Delay } from "./delay.ts";
 import { type Address, requests } from "./http.ts";
 import { Socket, type Verdict, type Wire, type WireNews } from "./socket.ts";
 
-/** Connects, and goes on connecting until `close`. */
+/** Connects, and reconnects until `close`. */
 export function connect(address: Address): Server & { readonly close: () => void } {
   const delay = new Delay();
   const { request, lines, askAgain } = requests(address, {
@@ -80,7 +80,7 @@ function dial({ url, token }: Address, news: WireNews): Wire {
   return { send: (text) => socket.send(text), close: () => socket.close() };
 }
 
-/** The browser says that there is a network again, or that somebody looks. */
+/** The browser reports a network, or that the page is visible again. */
 function hearBrowser(back: () => void): () => void {
   if (typeof window === "undefined") return () => {};
   const seen = () => document.visibilityState === "visible" && back();

@@ -4,22 +4,22 @@
 /** A question and its answer, in ms. */
 interface Sample {
   readonly round_ms: number;
-  /** How far the server's clock is ahead, if both ways took equally long. */
+  /** Lead of the server's clock, if both directions took equally long. */
   readonly ahead_ms: number;
 }
 
-/** The server is asked so often whether it is there, whether it has answered before or not. */
+/** Interval of the pings, with or without answers. */
 export const PING_MS = 2_000;
-/** What is shown counts as old after so long, plus the delay. */
+/** Age from which shown data is old, in addition to the delay. */
 const OLD_MS = 4_000;
-/** Another connection is tried after so much silence, plus the delay. The silent one is kept meanwhile. */
+/** Silence after which another connection is tried, in addition to the delay. The silent one stays open. */
 const SILENT_MS = 12_000;
-/** Until the first answer nobody knows how slow the network is: so long it is waited for. */
+/** Timeout of the first answer, because the speed of the network is unknown. */
 const UNMEASURED_MS = 30_000;
 /** A dial: what a busy server and three lost packets take, and the rounds of TCP, TLS and the upgrade. */
 const DIAL_MS = 20_000;
 const DIAL_ROUNDS = 3;
-/** After so many dials in a row without an answer one of them may take longer, each time twice as long. */
+/** Number of failed dials after which the timeout of one of them doubles. */
 const DIALS_EACH = 4;
 const DIAL_MAX_MS = 120_000;
 /** A request that is repeated if its answer is lost, and one that is not: the server may work on it. */
@@ -27,11 +27,11 @@ const AGAIN_MS = 8_000;
 const ONCE_MS = 45_000;
 /** TCP, TLS, the request, and one to spare. */
 const REQUEST_ROUNDS = 4;
-/** What is sent counts by the slowest network that is served: 64 kbit/s, shared. */
+/** Transfer times are those of the slowest supported network: 64 kbit/s, shared. */
 const BYTES_PER_MS = 4;
-/** Clocks are compared by the quickest of so many answers. */
+/** Number of answers of which the fastest one compares the clocks. */
 const SAMPLES_MAX = 8;
-/** So many questions are remembered. */
+/** Capacity of the open pings. */
 const ASKED_MAX = 100;
 
 export class Delay {
@@ -40,7 +40,7 @@ export class Delay {
   /** Smoothed round trip and its variation, as TCP reckons them (RFC 6298). */
   #round_ms: number | null = null;
   #varies_ms = 0;
-  /** Nothing but a dial was measured so far. */
+  /** Only a dial was measured so far. */
   #isGuess = true;
   #samples: readonly Sample[] = [];
 
@@ -65,31 +65,31 @@ export class Delay {
     return round_ms;
   }
 
-  /** A dial took so long, at the end of which the server said its time. It is a guess: good until the first answer. */
+  /** Takes the duration of a dial and the server's time at its end: an estimate until the first answer. */
   dialled(took_ms: number, server_ms: number, now_ms: number): void {
     this.#asked.clear();
     const ahead_ms = this.#ahead() ?? server_ms + took_ms / (2 * DIAL_ROUNDS) - now_ms;
-    // What was measured over the last connection counts until it is measured again.
+    // Measurements of the last connection count until they are repeated.
     this.#samples = [{ round_ms: Number.POSITIVE_INFINITY, ahead_ms }];
     if (this.#isGuess) this.#measure(took_ms / 2);
   }
 
-  /** So much the server's clock is ahead of this browser's. */
+  /** Lead of the server's clock over the browser's, in ms. */
   get ahead_ms(): number {
     return this.#ahead() ?? 0;
   }
 
-  /** What is shown counts as old when it was not confirmed for so long. */
+  /** Time without confirmation after which shown data is old, in ms. */
   get old_ms(): number {
     return OLD_MS + this.#late_ms;
   }
 
-  /** Another connection is tried after so much silence. */
+  /** Silence after which another connection is tried, in ms. */
   get silent_ms(): number {
     return this.#round_ms === null ? UNMEASURED_MS : SILENT_MS + 3 * this.#late_ms;
   }
 
-  /** So long a dial may take, after so many that had no answer. */
+  /** Timeout of a dial after this number of failed ones, in ms. */
   dial_ms(unanswered: number): number {
     const round_ms = DIAL_ROUNDS * this.#late_ms;
     const limit_ms =
@@ -101,7 +101,7 @@ export class Delay {
     return Math.min(limit_ms * 2 ** doubled, Math.max(limit_ms, DIAL_MAX_MS));
   }
 
-  /** So long nothing may come of a request that sends so many bytes. */
+  /** Timeout of a request that sends this number of bytes, in ms. */
   request_ms(isRepeated: boolean, bytes: number): number {
     const least_ms = this.#round_ms === null ? UNMEASURED_MS : AGAIN_MS;
     const limit_ms = isRepeated ? least_ms : ONCE_MS;

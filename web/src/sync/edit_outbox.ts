@@ -1,5 +1,5 @@
-/** The edits of this page that the confirmed machine does not have yet: each goes over the socket, or by a request if it is too
- * large for a frame, until it is answered; it is settled when what it made is here. Knows frames; never what edits look like. */
+/** The edits of this page that the confirmed machine does not have yet. Each is sent over the socket, or by a request if it is too large
+ * for a frame, and is settled when its changes arrive. Knows frames, not the content of edits. */
 
 import type { Done, Edit, ToServer } from "../model/generated/protocol.ts";
 import type { EditAnswer, PendingEdit } from "../store/document/machine_session.ts";
@@ -7,7 +7,7 @@ import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { AGAIN, HELD, Outbox } from "./outbox.ts";
 
-/** What goes with an edit, an undo or a redo. */
+/** Metadata of an edit, an undo or a redo. */
 type EditFrame = Extract<ToServer, { frame: "edit" | "undo" | "redo" }>;
 
 /** An edit, an undo (without one) or a redo on its way. */
@@ -104,7 +104,7 @@ export class EditOutbox {
     }
   }
 
-  /** What is on its way still arrives; nothing more is put. */
+  /** Sent edits still arrive; no further ones are accepted. */
   close(): void {
     this.#isClosed = true;
     this.#stopIfOver();

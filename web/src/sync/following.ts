@@ -12,19 +12,19 @@ import type {
 import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
-/** Who wants to know. */
+/** The receiver of the changes. */
 export interface Follows {
-  /** The revision that was told last. */
+  /** Last received revision. */
   readonly revision: () => number;
   readonly revisions: (revisions: readonly Revision[]) => void;
   readonly status: (status: MachineStatus) => void;
-  /** All of the machine, for what was told before does not lead to it. */
+  /** The whole machine, because the received revisions do not lead to it. */
   readonly whole: (document: MachineDocument) => void;
   /** It cannot be had any more. */
   readonly gone: (reason: string) => void;
 }
 
-/** A machine that cannot be had at the moment is asked for again after so long. */
+/** Retry interval of a machine that cannot be loaded, in ms. */
 const AGAIN_MS = 1_000;
 
 export class Following {
@@ -36,7 +36,7 @@ export class Following {
   #isOver = false;
   #unfollow: readonly (() => void)[] = [];
   #returning: Promise<boolean> | null = null;
-  /** Whether it has to be opened to come back. */
+  /** True if it has to be opened again. */
   #wasClosed = false;
 
   constructor(summary: MachineSummary, server: Server, clock: Clock, follows: Follows) {
@@ -57,7 +57,7 @@ export class Following {
     return this.#isOver;
   }
 
-  /** Where requests about it go. */
+  /** Path of its requests. */
   get path(): string {
     return `/machines/${encodeURIComponent(this.#id)}`;
   }
@@ -124,9 +124,9 @@ export class Following {
         return true;
       } catch (error) {
         if (!(error instanceof RefusalError)) throw error;
-        // That it was closed was heard while it was asked for.
+        // The machine was closed during the request.
         if (this.#wasClosed && !opens) continue;
-        // Who has to log in again goes on afterwards.
+        // After a new login it continues.
         if (!error.isForNow && error.status !== 401) {
           this.#follows.gone(error.message);
           return false;

@@ -4,17 +4,17 @@ import type { Refusal } from "../model/generated/protocol.ts";
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
-/** Where the server is, and by what it lets in. In its own page both are empty: the cookie goes along. */
+/** Address of the server and a token. Both are empty in the server's own page, which has a cookie. */
 export interface Address {
   /** `http://127.0.0.1:4747`, or nothing for the page's own server. */
   readonly url: string;
   readonly token?: string;
 }
 
-/** What requests need of the connection. */
+/** Dependencies of requests on the connection. */
 interface RequestPorts {
   readonly clock: Clock;
-  /** How long nothing may come of a request. */
+  /** Timeout of a request, in ms. */
   readonly limit_ms: (isRepeated: boolean, bytes: number) => number;
   /** Called for each piece of an answer that comes. */
   readonly alive: () => void;

@@ -23,7 +23,7 @@ export class LibraryCache {
   readonly #listeners = new Set<Arrived>();
   readonly #lookers = new Set<() => void>();
 
-  /** `route` says where the content of a library is asked for. */
+  /** `route` is the path of the content of a library. */
   constructor(request: Server["request"], route: (key: LibraryKey) => string = libraryRoute) {
     this.#request = request;
     this.#route = route;
@@ -55,7 +55,7 @@ export class LibraryCache {
     return loading;
   }
 
-  /** Files have changed: looks whether libraries did. One that is gone stays as it was known. */
+  /** Checks the libraries after a change of files. A deleted library keeps its last content. */
   async refresh(): Promise<void> {
     for (const key of [...this.#held.keys()]) await this.#fetch(key).catch(() => {});
     for (const looker of this.#lookers) looker();

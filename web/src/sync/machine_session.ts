@@ -1,5 +1,5 @@
-/** One open machine in the page: shows the edits of this page before they are answered, takes over what the server tells, and
- * says what became of each edit. */
+/** An open machine in the page: shows edits before they are answered, applies the changes of the server, and reports the fate of each
+ * edit. */
 
 import { batch, computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type {
@@ -42,11 +42,11 @@ export interface OpenMachineSessionPorts {
   readonly returnNews: ReturnNews;
 }
 
-/** A step's name has at most so many characters. */
+/** Longest name of a step, in characters. */
 const NAME_LENGTH_MAX = 200;
-/** So many steps are known; the oldest are forgotten. */
+/** Capacity of the steps. Beyond it, the oldest are dropped. */
 const STEPS_MAX = 10_000;
-/** Problems are asked for when nothing has changed for so long. */
+/** Pause without changes before problems are requested, in ms. */
 const SETTLED_MS = 300;
 
 export class OpenMachineSession implements MachineSession {
@@ -72,12 +72,12 @@ export class OpenMachineSession implements MachineSession {
   readonly #outbox: EditOutbox;
   readonly #stepChanges = new StepChanges();
   readonly #gone = new GoneStates();
-  /** Libraries whose content was refused, which was told. */
+  /** Libraries whose content was refused, which was reported. */
   readonly #withoutContent = new Set<LibraryKey>();
   readonly #listeners = new Set<(touched: TouchedPaths) => void>();
   readonly #following: Following;
   readonly #deaf: () => void;
-  /** Counts changes and checks: only the last check since the last change tells of the machine as it is. */
+  /** Counts changes and checks: only the last check after the last change describes the present machine. */
   #checksBegun = 0;
   #unsettled: () => void = () => {};
   /** The last received `is_recovered`. A bar shows the edits that a machine is opened with. */
@@ -208,7 +208,7 @@ export class OpenMachineSession implements MachineSession {
     this.#ports.tell({ level, text: `${name}: ${text}`, about });
   }
 
-  /** Shows the edit at once, asks for it, and says what became of it. */
+  /** Shows the edit immediately, sends it, and returns its fate. */
   #ask(
     name: string,
     edit: Edit | null,
@@ -312,7 +312,7 @@ export class OpenMachineSession implements MachineSession {
     void this.#look();
   }
 
-  /** Asks for what is not told by itself. */
+  /** Requests data that the server does not send by itself. */
   async #look(): Promise<void> {
     this.#soonProblems();
     const steps = await this.#get<MachineSteps>("steps");
@@ -333,7 +333,7 @@ export class OpenMachineSession implements MachineSession {
     this.#checksBegun += 1;
     const mine = this.#checksBegun;
     const problems = await this.#get<readonly MachineProblem[]>("problems");
-    // What changed meanwhile is checked again.
+    // Later changes are checked again.
     if (problems && mine === this.#checksBegun) {
       batch(() => {
         this.problems.value = problems;

@@ -1,6 +1,5 @@
-/** What this page asked of the server and whose fate is not known yet: sent in the order in which it was asked for, again under
- * its id until an answer comes, and settled once. How long an answer may take is the transport's to say, by the measured delay.
- * Knows ids and answers; never what is asked. */
+/** Requests of this page with an unknown fate: sent in their order, repeated under their id until an answer arrives, and settled once. The
+ * transport chooses the timeout by the measured delay. Knows ids and answers, not the content. */
 
 import { RefusalError } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
@@ -17,13 +16,13 @@ export interface OutboxPorts<T, R, F> {
   /** Sends it; fails with a [`RefusalError`]. Null: its answer comes by `answered` or `refused`, and it is sent again by
    * `connected`. */
   readonly send: (item: T) => Promise<R> | null;
-  /** What becomes of it by an answer. */
+  /** Result of an answer. */
   readonly onAnswer: (item: T, answer: R) => F | typeof HELD | typeof LATER;
-  /** What becomes of it by a refusal. What it throws is thrown to whoever asked. */
+  /** Result of a refusal. Its errors are passed to the caller. */
   readonly onRefusal: (item: T, error: RefusalError) => F | typeof HELD | typeof AGAIN;
-  /** Whether anything can be sent; always, if it does not say. */
+  /** True if requests can be sent; always by default. */
   readonly isUp?: () => boolean;
-  /** Whether it is sent when all before it is answered, and before all after it. */
+  /** True if it is sent after the answers of all earlier requests, and before all later ones. */
   readonly isAlone?: (item: T) => boolean;
 }
 
@@ -47,7 +46,7 @@ export class Outbox<T extends { readonly id: string }, R, F> {
     this.#ports = ports;
   }
 
-  /** What is not settled, the oldest first. */
+  /** Unsettled requests, the oldest first. */
   get items(): readonly T[] {
     return this.#items;
   }
@@ -65,7 +64,7 @@ export class Outbox<T extends { readonly id: string }, R, F> {
     });
   }
 
-  /** Its fate is known, from wherever; nothing happens to what is settled. */
+  /** Settles a request whose fate is known from any source. Settled requests do not change. */
   settle(id: string, fate: F): void {
     this.#take(id)?.settle(fate);
     this.#pump();
@@ -79,7 +78,7 @@ export class Outbox<T extends { readonly id: string }, R, F> {
     this.#end(id, (item) => this.#ports.onRefusal(item, error));
   }
 
-  /** What is held is sent all the same. */
+  /** Held requests are sent, too. */
   again(id: string): void {
     const entry = this.#entries.get(id);
     if (entry?.state === "held") entry.state = "waiting";

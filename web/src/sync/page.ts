@@ -1,4 +1,4 @@
-/** Starts the page: connects, follows what the server tells, and opens machines as tabs. */
+/** Starts the page: connects, follows the server, and opens machines in tabs. */
 
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type {
@@ -36,12 +36,12 @@ import { followSession } from "./session.ts";
 import { newTabs } from "./tabs.ts";
 
 interface PageOptions {
-  /** Where the server is; left out: where the page comes from. */
+  /** Address of the server; by default the origin of the page. */
   readonly address?: Address;
   /** Another server than the one at the address. */
   readonly server?: Server;
   readonly clock?: Clock;
-  /** Where settings and open machines are kept; left out: in the browser. */
+  /** Storage of settings and open machines; by default the browser's. */
   readonly stores?: { readonly own: LocalStore; readonly shared: LocalStore };
 }
 
@@ -120,7 +120,7 @@ function followFiles(
     }
   };
   effect(() => {
-    // What could not be had is asked for after the next break; what is here, only when it is another.
+    // Failed requests are repeated after the next connection; loaded data only after changes.
     server.link.value;
     const revision = serverStatus.value?.files_revision ?? null;
     if (revision === null || revision === known) return;
@@ -130,7 +130,7 @@ function followFiles(
   return { projects, libraries };
 }
 
-/** How machines and runs come into the tabs. */
+/** Opens machines and runs in the tabs. */
 function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>, runs: Runs) {
   const { request } = ports.server;
   const { tabs, active, front, enter, leave } = newTabs();
@@ -213,7 +213,7 @@ function tellStorageFault(tell: Page["tell"]): void {
   });
 }
 
-/** A break that people may have noticed is told. */
+/** Reports a noticeable disconnection. */
 const NOTICED_MS = 2_000;
 
 /** Says when the connection is back after a break (to wait for a login is none), and when there is another server behind it. */

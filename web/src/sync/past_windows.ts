@@ -13,11 +13,11 @@ interface PastWindowsPorts {
   readonly changed: () => void;
 }
 
-/** So many events are asked for, half of them before the moment. */
+/** Number of requested events, half of them before the moment. */
 const EVENTS = 10_000;
-/** So many parts are kept. */
+/** Capacity of the parts. */
 const KEPT_MAX = 4;
-/** What could not be had is asked for again after so long. */
+/** Retry interval of a failed request, in ms. */
 const AGAIN_MS = 1_000;
 
 export class PastWindows {
@@ -42,7 +42,7 @@ export class PastWindows {
     return this.#all.findLast((journal) => journal.covers(sequence)) ?? null;
   }
 
-  /** Keeps a part that was told otherwise. */
+  /** Stores a part that was received by other means. */
   keep(journal: Journal): void {
     this.#all = [...this.#all.filter((each) => each !== journal), journal].slice(-KEPT_MAX);
   }
@@ -92,7 +92,7 @@ export class PastWindows {
     }
   }
 
-  /** What had been before comes later: a long run may have to be read for it. */
+  /** The state before the part arrives later, because the server may have to read a long run. */
   async #learn(journal: Journal, window: Window): Promise<void> {
     try {
       const earlier = await this.#ports.ask<EarlierHistory>(`earlier/${window.before.sequence}`);

@@ -6,9 +6,9 @@ import { touchedStates } from "../store/page/selection.ts";
 import type { Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
-/** Two tellings are at least so far apart. */
+/** Shortest interval of two messages, in ms. */
 const EVERY_MS = 50;
-/** What the server takes: so many paths of so many bytes together. */
+/** Limits of the server: number of paths and their total bytes. */
 const COUNT_MAX = 1_000;
 const LENGTH_MAX = 20_000;
 
@@ -42,14 +42,14 @@ export function tellPresence(
   };
 }
 
-/** What is to be told; null while nobody can be told, or nothing is open. */
+/** The next message; null without a connection or an open machine. */
 function presence(server: Server, tab: OpenTab | null) {
   if (server.link.value.state !== "up" || !tab) return null;
   const selection = [...bounded(touchedStates(tab.view))];
   return { frame: "presence", machine: tab.session.id, selection } as const;
 }
 
-/** Whether the server has this connection among those who look: it forgets them when a machine is closed and opened again. */
+/** True if the server lists this connection as a viewer. Closing and reopening a machine clears the list. */
 function isListed(server: Server, tab: OpenTab | null): boolean {
   const link = server.link.value;
   const people = tab?.session.status.value?.people ?? [];

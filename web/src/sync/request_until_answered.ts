@@ -4,7 +4,7 @@ import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { AGAIN, Outbox } from "./outbox.ts";
 
-/** For so long it is sent again. */
+/** Time in which a request is repeated, in ms. */
 const PATIENCE_MS = 60_000;
 
 /** Asks until there is an answer. Throws a `RefusalError`: that of the server, or, after a minute, that nobody knows. */
@@ -32,7 +32,7 @@ export function isUnknownFate({ status, code }: RefusalError): boolean {
   return status === 0 || code === "fate_unknown";
 }
 
-/** Whether it may have been carried out all the same. */
+/** True if it may have been carried out nevertheless. */
 function isLost({ status, code }: RefusalError): boolean {
   return status === 0 || status === 429 || code === "not_finished";
 }

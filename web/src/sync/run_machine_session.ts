@@ -1,5 +1,5 @@
-/** The machine as a run went by it, kept by the run: looked at and never edited. When the run goes by another one, or a moment is
- * shown at which it did, so does this. */
+/** The machine that a run uses, stored with the run and read-only. It changes when the run uses another one, or when a moment with another
+ * one is shown. */
 
 import { batch, effect, signal } from "@preact/signals-core";
 import type {
@@ -23,7 +23,7 @@ interface Ports {
   readonly clock: Clock;
 }
 
-/** A machine that could not be had is asked for again after so long. */
+/** Retry interval of a machine that could not be loaded, in ms. */
 const AGAIN_MS = 1_000;
 
 /** The id of the session of a run's machine. */
@@ -52,7 +52,7 @@ export class RunMachineSession implements MachineSession {
   readonly #stops: (() => void)[];
   readonly #ports: Ports;
   #root: string | null = null;
-  /** The machine that the run went by last, as its history says, and how far that was read. */
+  /** The machine that the run used last by its history, and the read part of the history. */
   #last: string | null = null;
   #read = 0;
   #journal: Journal | null = null;
@@ -108,7 +108,7 @@ export class RunMachineSession implements MachineSession {
     this.#listeners.clear();
   }
 
-  /** Of the moment, or of the end; null while that is not known. */
+  /** Machine of the moment or of the end; null while it is unknown. */
   #wanted({ playhead, playheadSnapshot: snapshot, journal, journalVersion }: Watch): string | null {
     journalVersion.value;
     const picture = snapshot.value?.picture ?? null;

@@ -20,10 +20,10 @@ const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
   size_max: null,
 };
 
-/** A list that could not be had is asked for again after so long. */
+/** Retry interval of a failed list, in ms. */
 const AGAIN_MS = 2_000;
 
-/** So many runs are watched at once, beside those that are shown: the ones that were asked for last. */
+/** Capacity of the watched runs besides the shown ones: those requested last. */
 const WATCHED_MAX = 6;
 
 /** The runs, followed from now on. */
@@ -46,7 +46,7 @@ export function followRuns(
     }
   };
   const removed = new Set<string>();
-  /** What comes later is the newer truth. */
+  /** Later messages are newer. */
   const take = (before: readonly RunSummary[], news: readonly RunSummary[]) => {
     const byId = new Map([...before, ...news].map((run) => [run.id, run]));
     for (const id of removed) byId.delete(id);
@@ -55,7 +55,7 @@ export function followRuns(
   const refresh = async () => {
     try {
       const list = await server.request<readonly RunSummary[]>("GET", "/runs");
-      // What the server told meanwhile is no older than the list.
+      // Messages during the request are not older than the list.
       take(list, serverStatus.peek()?.runs ?? []);
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
@@ -68,7 +68,7 @@ export function followRuns(
   let connection: number | null = null;
   effect(() => {
     const link = server.link.value;
-    // One that was only silent tells what has changed.
+    // A connection that was only silent sends changes.
     if (link.state !== "up" || link.connection === connection) return;
     connection = link.connection;
     void refresh();

@@ -20,9 +20,9 @@ import type { Clock } from "./clock.ts";
 interface SessionPorts {
   readonly server: Server;
   readonly clock: Clock;
-  /** Of this tab of the browser. */
+  /** Storage of this browser tab. */
   readonly own: LocalStore;
-  /** Of the browser: for a new tab after a crash. */
+  /** Storage of the browser, for a new tab after a crash. */
   readonly shared: LocalStore;
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
@@ -35,10 +35,10 @@ interface SessionPorts {
   readonly tell: Page["tell"];
 }
 
-/** How machines are looked at is written when nothing has changed for so long: a camera in flight is none of it. */
+/** Pause before views are stored, in ms. A moving camera is not stored. */
 const KEPT_AFTER_MS = 500;
 
-/** Whether it is still on its way back. */
+/** True while it is being restored. */
 export function followSession(ports: SessionPorts): Signal<boolean> {
   const session = readSession(ports.own) ?? readSession(ports.shared);
   const isRestoring = signal(session !== null && session.tabs.length > 0);
@@ -91,7 +91,7 @@ function frontFirst({ tabs, active }: KeptTabs): readonly (readonly [number, Kep
   return [...tabs.entries()].sort(([one], [other]) => rank(one) - rank(other));
 }
 
-/** The tabs in the order in which they stood; what was opened meanwhile stands behind. */
+/** The tabs in their earlier order, followed by tabs opened since. */
 function inPlace(
   tabs: readonly OpenTab[],
   places: ReadonlyMap<OpenTab, number>,
@@ -100,7 +100,7 @@ function inPlace(
   return [...tabs].sort((one, other) => place(one) - place(other));
 }
 
-/** Whether the run that was shown was not given up since. */
+/** True if the shown run was not closed since. */
 function isThere({ runs }: SessionPorts, kept: KeptTab): kept is KeptTab & { run: string } {
   return runs.all.peek().some(({ id }) => id === kept.run);
 }

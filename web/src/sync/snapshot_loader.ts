@@ -1,5 +1,5 @@
-/** Loads the moment of a run that the playhead stands at, with its values: the newest wish wins, and live values are asked for again and again only
- * while somebody wants them. */
+/** Loads the moment at the playhead with its values: the newest request wins, and live values are requested periodically while they are
+ * needed. */
 
 import { effect, type Signal, signal, untracked } from "@preact/signals-core";
 import type { Moment } from "../model/generated/protocol.ts";
@@ -15,11 +15,11 @@ interface SnapshotLoaderPorts {
   readonly newest: () => number;
 }
 
-/** What could not be had is asked for again after so long. */
+/** Retry interval of a failed request, in ms. */
 const AGAIN_MS = 500;
-/** Live values are asked for so often. */
+/** Interval of requests for live values, in ms. */
 const VALUES_MS = 1_000;
-/** So long another moment may stay in sight while the wanted one is on its way. */
+/** Time in which another moment stays visible during a request, in ms. */
 const PASSING_MS = 300;
 
 export class SnapshotLoader {
@@ -43,7 +43,7 @@ export class SnapshotLoader {
     });
   }
 
-  /** Says that live values are wanted; returns the way to stop. */
+  /** Requests live values; the returned function ends that. */
   want(): () => void {
     this.#wanted += 1;
     if (this.#wanted === 1 && this.playhead.peek() === null) this.#look();

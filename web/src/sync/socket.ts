@@ -1,5 +1,6 @@
-/** The connection to the server, over all its breaks: subscriptions go on from their cursors. A WebSocket that has gone silent is kept while another one is dialled: the first that speaks is the connection, so
- * that a slow network is never taken for a dead one. Knows frames; never what a frame is about. */
+/** The connection to the server across disconnections: subscriptions continue at their cursors. A silent WebSocket stays open while
+ * another one is dialled, and the first that responds is used, so a slow network never counts as a dead one. Knows frames, not their
+ * content. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import { FRAMES_VERSION, type ToClient, type ToServer } from "../model/generated/protocol.ts";
@@ -13,7 +14,7 @@ export interface Wire {
   readonly close: () => void;
 }
 
-/** What comes over a wire. After `closed` nothing comes. */
+/** Events of a connection. `closed` is the last one. */
 export interface WireNews {
   readonly text: (text: string) => void;
   readonly closed: (reason: string) => void;
@@ -83,7 +84,7 @@ export class Socket {
     };
   }
 
-  /** Tells the answers to what was said with an id. */
+  /** Reports answers to messages with an id. */
   onAnswer(listener: (frame: AnswerFrame) => void): () => void {
     this.#listeners.add(listener);
     return () => void this.#listeners.delete(listener);
@@ -104,7 +105,7 @@ export class Socket {
     this.#dial();
   }
 
-  /** Something else came from the server: the network is there. */
+  /** Another response of the server shows that the network works. */
   alive(): void {
     if (this.#connection) this.#connection.waits_ms = null;
   }
@@ -164,7 +165,7 @@ export class Socket {
     }
   }
 
-  /** There is no connection any more. `heard_ms`: since when nothing is heard. */
+  /** The connection is lost. `heard_ms` is the time of the last message. */
   #lost(reason: string, heard_ms: number): void {
     this.#cancel();
     [this.#tries, this.#unanswered] = [0, 0];
@@ -196,7 +197,7 @@ export class Socket {
     }
   }
 
-  /** Whether the server lets us in; silent if it does not say so in time. */
+  /** Result of a login probe; `silent` without an answer in time. */
   #verdict(): Promise<Verdict> {
     const { clock, delay, probe } = this.#ports;
     const late = new Promise<"silent">((over) => {
@@ -251,7 +252,7 @@ export class Socket {
     this.#silent = null;
     delay.dialled(now_ms - connection.dialled_ms, frame.now_ms, now_ms);
     connection.up = { state: "up", session: frame.session, connection: frame.connection };
-    // What was heard over the connection before is as old as that: the followers are asked before this one counts.
+    // Data of the earlier connection keeps its age: the followers update before this one counts.
     this.#catchUp(connection);
     this.#tell(this.pulse.peek()?.delay_ms ?? null, frame.now_ms);
     this.link.value = connection.up;
@@ -278,7 +279,7 @@ export class Socket {
     }
   }
 
-  /** Asks whether the server is there, again and again. */
+  /** Pings the server periodically. */
   #beat(connection: SocketConnection): void {
     const { clock, delay } = this.#ports;
     const now_ms = clock.now();

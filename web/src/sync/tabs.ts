@@ -1,4 +1,4 @@
-/** The tabs of the page: each machine comes into one, however often it is wanted. Knows nothing of how machines are got. */
+/** The tabs of the page, one for each machine. Independent of how machines are loaded. */
 
 import { batch, signal } from "@preact/signals-core";
 import type { MachineSession } from "../store/document/machine_session.ts";

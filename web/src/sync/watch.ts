@@ -31,14 +31,14 @@ export interface WatchPorts {
   readonly newId: () => string;
 }
 
-/** The journal's growth is told so often at most. */
+/** Shortest interval of reports on the journal's growth, in ms. */
 const GROWN_MS = 100;
-/** So many events are here at most, whatever the length of the run; then so many of the newest stay. */
+/** Capacity of the events for a run of any length, and the number of newest events that stay. */
 const EVENTS_MAX = 200_000;
 const EVENTS_KEPT = 100_000;
-/** Of a run that is longer when the page comes to it, so many of the newest are told at first. */
+/** Number of newest events that are loaded first of a longer run. */
 const NEWEST = 10_000;
-/** What could not be followed is tried again after so long. */
+/** Retry interval of a failed subscription, in ms. */
 const AGAIN_MS = 1_000;
 /** Refusals that stay: no such run, or no such history. */
 const FOR_GOOD = new Set(["no_such_run", "no_history", "journal_too_short"]);
@@ -65,10 +65,10 @@ export class RunWatch implements Watch {
   readonly #snapshots: SnapshotLoader;
   #unfollowHistory: () => void = () => {};
   #unfollowStatus: () => void = () => {};
-  /** How many events were told, and how often a journal was another one. */
+  /** Number of received events, and of replaced journals. */
   #version = 0;
   #isLearning = false;
-  /** Whether nothing more of the history will come by itself. */
+  /** True if nothing more of the history arrives by itself. */
   #isTold = false;
   #isSoon = false;
   #isOver = false;
@@ -105,7 +105,7 @@ export class RunWatch implements Watch {
       const playhead = this.playhead.value;
       untracked(() => this.#look(playhead));
     });
-    // In this order: how it stands comes before all that happened.
+    // In this order: the status arrives before the events.
     this.#followStatus();
     this.#followHistory();
   }
@@ -176,12 +176,12 @@ export class RunWatch implements Watch {
     return `/runs/${encodeURIComponent(this.id)}/${what}`;
   }
 
-  /** The last event that is on disk, as the server says. */
+  /** Last event on the disk, reported by the server. */
   #written(): number {
     return this.now.peek()?.snapshot?.disk_safe ?? 0;
   }
 
-  /** The server's time when it said what was heard last. */
+  /** The server's time of the last message. */
   #server_ms(): number | null {
     return this.#ports.server.pulse.peek()?.server_ms ?? null;
   }
@@ -190,7 +190,7 @@ export class RunWatch implements Watch {
     this.#isTold = false;
     this.#unfollowHistory = this.#ports.server.follow({
       topic: () => {
-        // What happened during a break is told first.
+        // Events of a disconnection arrive first.
         this.isCaughtUp.value = false;
         const from = this.journal.next;
         return { topic: "run_newest", run: this.id, from, most: EVENTS_MAX, newest: NEWEST };
