@@ -39,7 +39,7 @@ export function App({ session }: { session: AppSession }) {
   );
 }
 
-/** Who was in once stays in while the connection is gone. */
+/** A user who was logged in stays so during a disconnection. */
 function Door() {
   const { page } = useSession();
   const link = useSignal(page.server.link);

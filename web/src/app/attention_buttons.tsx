@@ -1,4 +1,4 @@
-/** What wants a human at once, in every layout: open questions and crashed runs, one press from where they are answered. */
+/** Urgent items in every layout: open questions and crashed runs, one press from their answers. */
 
 import { CircleHelp, TriangleAlert } from "lucide-react";
 import { openQuestions } from "../store/history/questions.ts";
@@ -42,7 +42,7 @@ export function AttentionButtons() {
   );
 }
 
-/** The runs that are shown, but for the one of which mission control tells. */
+/** The shown runs, except the one in mission control. */
 function watches(session: AppSession): readonly Watch[] {
   const tabs = session.page.tabs.value.filter((tab) => !isInMission(session, tab));
   return [...new Set(tabs.flatMap((tab) => tab.run.value ?? []))];

@@ -1,4 +1,4 @@
-/** What somebody who works on the machine has to know now: each a bar above the canvas, with the ways out. */
+/** Bars above the canvas with urgent information about the machine, each with its remedies. */
 
 import { ChevronDown, ChevronUp, Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
@@ -15,7 +15,7 @@ import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
 import { isInMission } from "./session.ts";
 
-/** On a low page only the gravest stands there, and a button shows the others. */
+/** On a low page only the most severe one is shown, with a button for the others. */
 export function Bars({ tab }: { tab: OpenTab }) {
   const [isOpen, setOpen] = useState(false);
   return (
@@ -41,7 +41,7 @@ export function Bars({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** The connection is gone: what is shown is as old as this. */
+/** The connection is lost; this is the age of the shown data. */
 function LinkBar({ tab }: { tab: OpenTab }) {
   const { page } = useSession();
   const link = useSignal(page.server.link);
@@ -64,7 +64,7 @@ function LinkBar({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** The time, every second while it is wanted. */
+/** The time, updated every second while it is needed. */
 export function useNow(wanted: boolean): number {
   const [now_ms, setNow] = useState(() => Date.now());
   useEffect(() => {
@@ -76,7 +76,7 @@ export function useNow(wanted: boolean): number {
   return now_ms;
 }
 
-/** In mission control it stands with what one may do there. */
+/** In mission control it is shown beside the user's rights. */
 function ReadOnlyBar({ tab }: { tab: OpenTab }) {
   const session = useSession();
   const isWanted = useComputed(

@@ -1,4 +1,4 @@
-/** Where one is: the states around what is selected, each a way back out. */
+/** The containers of the selection; each one is a link. */
 
 import { ChevronRight } from "lucide-react";
 import { Fragment, useEffect, useRef, useState } from "react";

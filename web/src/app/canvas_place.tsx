@@ -29,11 +29,11 @@ const NO_FAULT = signal<string | null>(null);
 interface CanvasMenu {
   readonly at: Point;
   readonly elements: readonly ElementRef[];
-  /** Where in the machine it was opened. */
+  /** Position in the machine where it was opened. */
   readonly pointer: ReturnType<CanvasControl["pointer"]>;
 }
 
-/** What is new goes where the menu was opened, wherever the pointer is by then. */
+/** New elements are placed where the menu was opened, not at the present pointer. */
 function asOpened(context: CommandContext, { pointer }: CanvasMenu): CommandContext {
   return context.canvas
     ? { ...context, canvas: { ...context.canvas, pointer: () => pointer } }

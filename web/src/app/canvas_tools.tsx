@@ -1,4 +1,4 @@
-/** What shows on the canvas, and how near one looks. */
+/** Layers and zoom of the canvas. */
 
 import {
   ArrowRightLeft,

@@ -164,7 +164,7 @@ function PanelTab({ api }: IDockviewPanelHeaderProps) {
   );
 }
 
-/** What can be done with a group of panels: one button, so that tabs keep their room. */
+/** Actions on a group of panels, in one button so that the tabs have space. */
 function GroupActions({ api, containerApi, activePanel, group }: IDockviewHeaderActionsProps) {
   const { dock } = useSession();
   const [menu, setMenu] = useState<{ x: number; y: number } | null>(null);
@@ -218,5 +218,5 @@ function GroupActions({ api, containerApi, activePanel, group }: IDockviewHeader
   );
 }
 
-/** Where and how large a panel floats at first, in CSS pixels. */
+/** Initial bounds of a floating panel, in CSS pixels. */
 const FLOATING = { width: 380, height: 520, position: { top: 80, right: 420 } };

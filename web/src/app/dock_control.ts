@@ -30,7 +30,7 @@ interface GroupShare {
   readonly height: number;
 }
 
-/** The dock remembers where the canvas stands for a picture or two: what is measured earlier may be out of date. */
+/** The dock caches the position of the canvas for one or two frames; earlier measurements may be outdated. */
 const CALM_MS = 100;
 
 export class DockControl implements DockPort {
@@ -50,7 +50,7 @@ export class DockControl implements DockPort {
     this.#stop = () => listening.dispose();
   }
 
-  /** Another number whenever panels stand otherwise. */
+  /** Changes with each new arrangement of the panels. */
   get changes(): ReadonlySignal<number> {
     return this.#changes;
   }
@@ -65,12 +65,12 @@ export class DockControl implements DockPort {
     if (!before || !this.#load(before)) this.#build(SHIPPED[first] ?? {});
   }
 
-  /** On a narrow page mission control stands above the canvas, and nothing below; true if that is another place. */
+  /** On a narrow page mission control is above the canvas, and nothing below; true if that changes its place. */
   stack(isNarrow: boolean): boolean {
     this.#isNarrow = isNarrow;
     const isMoved = placeMission(this.#api, isNarrow);
     if (isMoved && this.#groups("bottom").length > 0) this.#show("bottom", !isNarrow);
-    // The place of the canvas is measured when its size has changed: so that comes last, when all else stands.
+    // The position of the canvas is measured after a change of its size, which therefore comes last.
     if (isMoved) setTimeout(() => sizeMission(this.#api, isNarrow), CALM_MS);
     return isMoved;
   }

@@ -1,4 +1,4 @@
-/** What the colours of heat mean, over the canvas while they show. */
+/** Legend of the heat colours over the canvas. */
 
 import { HEAT_LEVELS } from "../canvas/scene/input.ts";
 import { duration } from "../panels/parts/duration.ts";

@@ -1,5 +1,5 @@
-/** How the panels stand when nobody has put them anywhere yet: an operator comes to mission control, everybody else to the editor;
- * and what the address asks for: `?layout=mission`. */
+/** Initial layout of the panels: mission control for operators, the editor for everybody else, or the layout of the address
+ * (`?layout=mission`). */
 
 import { MISSION_LAYOUT } from "../commands/mission.ts";
 import type { Page } from "../store/page/page.ts";
@@ -9,7 +9,7 @@ export function initialLayout(page: Page): string {
   return sessionOfPage(page)?.role === "operator" ? MISSION_LAYOUT : "Edit";
 }
 
-/** What the address asks for, taken out of it: a page that is loaded again comes back as it was left. */
+/** Layout requested by the address. It is removed there, so a reload restores the last layout. */
 export function takeAsked(view: Pick<Window, "location" | "history">): {
   readonly isMission: boolean;
   readonly run: string | null;

@@ -6,7 +6,7 @@ import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
 import { whyDisabled } from "../commands/why.ts";
 import type { AppSession } from "./session.ts";
 
-/** Where the keyboard is. */
+/** The focused element. */
 type Focus = "canvas" | "text" | "elsewhere";
 
 const TEXTS = "input, textarea, select, [contenteditable]:not([contenteditable=false])";
@@ -22,7 +22,7 @@ export function focusOf(target: EventTarget | null): Focus {
   return isBody || element.closest("[role=application]") ? "canvas" : "elsewhere";
 }
 
-/** Whether a key, pressed there, is for commands. */
+/** True if a key pressed there is for commands. */
 export function counts(key: string, focus: Focus): boolean {
   if (focus === "canvas") return true;
   if (focus === "text") return !isTextKey(key);
@@ -80,7 +80,7 @@ function meant(ids: readonly string[], isRepeated: boolean): readonly string[] {
   return isRepeated ? ids.filter((id) => !/^(insert|arrange)\./.test(id)) : ids;
 }
 
-/** Says why the command of a key cannot be done; false if it has no reasons to tell. */
+/** Reports the reason why the command of a key is unavailable; false without a reason. */
 function tellRefusal({ page, commands, context }: AppSession, id: string): boolean {
   const command = commands.get(id);
   const refusal = command ? refusalOf(command, context()) : null;

@@ -45,7 +45,7 @@ export function LayoutWorkBar({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** A machine without a drawing opens arranged; nothing of that is saved until the user keeps it, edits or saves. */
+/** A machine without a drawing opens arranged. The layout is saved once the user accepts it, edits or saves. */
 export function ProposedLayoutBar({ tab }: { tab: OpenTab }) {
   const { page, commands, context } = useSession();
   const { session } = tab;

@@ -1,4 +1,4 @@
-/** How panels stand: the layouts that ship, and how big their sides are. Pure: the dock makes them real. */
+/** Predefined layouts of the panels, and the sizes of their sides. Pure; the dock applies them. */
 
 import type { PanelSide } from "../commands/command.ts";
 
@@ -7,7 +7,7 @@ interface LayoutSide {
   /** In CSS pixels: width of the left and right side, height of the lower. */
   readonly size: number;
   readonly groups: readonly (readonly string[])[];
-  /** Of the left side: it is as high as the page, and the lower side begins beside it; the right one always is. */
+  /** The left side is as high as the page, and the lower side begins beside it. The right side always is. */
   readonly isTall?: boolean;
 }
 
@@ -45,17 +45,17 @@ export const SHIPPED: Readonly<Record<string, PanelLayout>> = {
   },
 };
 
-/** What a side takes of the page at most: the canvas is what one looks at. */
+/** Largest share of a side, because the canvas is the main part. */
 const SHARES: Readonly<Record<PanelSide, number>> = { left: 0.22, right: 0.3, bottom: 0.4 };
 
-/** How big a side is on a page of this size. */
+/** Size of a side on a page of this size. */
 export function sizeOn(
   page: { readonly width: number; readonly height: number },
   side: PanelSide,
   { size, isTall }: LayoutSide,
 ): number {
   const whole = side === "bottom" ? page.height : page.width;
-  // A page that has no size yet says nothing.
+  // The page has no size yet.
   if (isTall || whole === 0) return size;
   return Math.min(size, Math.round(whole * SHARES[side]));
 }

@@ -2,7 +2,7 @@
 
 import type { AppSession } from "./session.ts";
 
-/** Whether an edit waits for its answer. What was answered is kept by the server. */
+/** True if an edit waits for its answer. The server stores answered edits. */
 function isUnsent({ page }: AppSession): boolean {
   return page.tabs.peek().some(({ session }) => session.pending.peek().length > 0);
 }

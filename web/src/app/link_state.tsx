@@ -1,4 +1,4 @@
-/** How the connection is, how old what one sees may be, and as whom one is here. */
+/** State of the connection, age of the shown data, and the user. */
 
 import { agePhrase } from "../panels/parts/age.ts";
 import { useSignal } from "../ui/signals.ts";

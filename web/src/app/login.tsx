@@ -1,4 +1,4 @@
-/** Who is not known to the server says who they are. */
+/** Login of a user. */
 
 import { useState } from "react";
 import { RefusalError } from "../store/page/server.ts";

@@ -24,7 +24,7 @@ if (place) {
   wearTheme(page, window);
   keepTitle(page, document);
   const { commands, context } = session;
-  // Tests and benches that look into the page leave a mark before it starts.
+  // Tests and benches that inspect the page set a mark before its start.
   if ("__rafcon" in window) Object.assign(window, { __rafcon: { page, commands, context } });
   createRoot(place).render(<App session={session} />);
 }

@@ -1,8 +1,8 @@
-/** Mistakes of the program that nothing else catches are said to the user: what fails silently looks as if it worked. */
+/** Reports uncaught errors of the program to the user, because a silent failure looks like success. */
 
 import type { Page } from "../store/page/page.ts";
 
-/** Browsers report this of layouts that settle one frame later; nothing is wrong. */
+/** Browsers report this for layouts that settle one frame later; it is no fault. */
 const HARMLESS = /^ResizeObserver loop/;
 
 /** Listens to a window until the returned function is called. */

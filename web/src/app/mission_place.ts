@@ -1,4 +1,4 @@
-/** Where mission control stands: beside the canvas, as high as the page; on a narrow screen above it, as wide as the page. */
+/** Place of mission control: beside the canvas with the height of the page, or above it on a narrow screen. */
 
 import type { DockviewApi } from "dockview-react";
 import { MISSION_PANEL } from "../commands/mission.ts";
@@ -9,7 +9,7 @@ export const NARROW = "(max-width: 900px)";
 /** Pages on which panels would leave the canvas next to nothing, as at a zoom of 200 %. */
 export const SMALL = `${NARROW}, (max-height: 560px)`;
 
-/** What of a narrow page's height it takes, and of a wide one's width at most. */
+/** Its share of the height of a narrow page, and largest share of the width of a wide one. */
 const HEIGHT_SHARE = 0.64;
 /** On a low page it has the room for its buttons and some more first, but for what is left to the canvas. */
 const HEIGHT_MIN = 380;
@@ -17,7 +17,7 @@ const CANVAS_MIN = 80;
 const WIDTH_SHARE = 0.55;
 const WIDTH = 600;
 
-/** Puts mission control where it belongs on such a page, if it stands alone in the grid; true if that is elsewhere than before. */
+/** Moves mission control to its place on such a page if it is alone in its group; true if the place changed. */
 export function placeMission(api: DockviewApi, isNarrow: boolean): boolean {
   const group = groupOf(api);
   if (!group || group.api.width >= api.width - 2 === isNarrow) return false;
@@ -33,7 +33,7 @@ export function sizeMission(api: DockviewApi, isNarrow: boolean): void {
   groupOf(api)?.api.setSize(size);
 }
 
-/** The group in which it stands alone. */
+/** The group that contains only mission control. */
 function groupOf(api: DockviewApi) {
   const group = api.getPanel(MISSION_PANEL)?.group;
   return group?.api.location.type === "grid" && group.size === 1 ? group : null;

@@ -26,7 +26,7 @@ interface MomentBarProps {
 
 function OfRun({ tab, watch }: MomentBarProps) {
   const { page } = useSession();
-  // From now on it is known when the page was not told, whether or not the time line shows it.
+  // From now on the gaps in the received data are recorded, whether or not the time line is visible.
   useEffect(() => void gapsOf(watch, page), [page, watch]);
   const playhead = useSignal(watch.playhead);
   return playhead === null ? null : <OfMoment tab={tab} watch={watch} playhead={playhead} />;
@@ -66,7 +66,7 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
   );
 }
 
-/** How long before now or the end it was. */
+/** Time before now or before the end. */
 function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }) {
   const { page } = useSession();
   const now = useSignal(watch.now);

@@ -1,4 +1,4 @@
-/** What was said and not closed, with what may be done about it: nothing that matters is gone with its toast. */
+/** Open notices with their actions, so that no important one disappears with its toast. */
 
 import { Bell, CircleAlert, Info, TriangleAlert, X } from "lucide-react";
 import { type KeyboardEvent, useEffect, useRef, useState } from "react";

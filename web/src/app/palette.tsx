@@ -211,7 +211,7 @@ function commandItems(
   });
 }
 
-/** The states of the machine in front; without a text those that stand first. */
+/** States of the current machine; the first ones without a search text. */
 function useFindStates({ page }: AppSession): FindStates {
   return useMemo(() => {
     const machine = page.active.peek()?.session.machine;

@@ -1,4 +1,4 @@
-/** What the palette finds: commands, states of the machine in front, machines and libraries, the best first. Pure. */
+/** Search results of the palette: commands, states of the current machine, machines and libraries, the best first. Pure. */
 
 import fuzzysort from "fuzzysort";
 
@@ -11,13 +11,13 @@ type PaletteHit =
 export interface PaletteItem {
   readonly found: PaletteHit;
   readonly title: string;
-  /** Where it is, or what it does. */
+  /** Its path or description. */
   readonly detail: string;
   readonly keys?: string | undefined;
   readonly disabled?: boolean;
 }
 
-/** What begins a search in one kind only. */
+/** Prefixes that limit a search to one kind. */
 const PREFIXES: Readonly<Record<string, PaletteHit["kind"]>> = {
   ">": "command",
   "@": "state",
@@ -26,7 +26,7 @@ const PREFIXES: Readonly<Record<string, PaletteHit["kind"]>> = {
 
 const SHOWN_MAX = 60;
 
-/** Finds states by a text: the best first, at most so many. They are too many to be items before they are found. */
+/** Finds states by a text, the best first, up to a limit. There are too many to create items for all. */
 export type FindStates = (
   text: string,
   count: number,

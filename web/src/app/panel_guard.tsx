@@ -1,4 +1,4 @@
-/** A panel that fails takes nothing else down, says what happened, and can be shown again. */
+/** A failed panel affects no other, shows its error, and can be reloaded. */
 
 import { Component, type ReactNode } from "react";
 import { Empty } from "../ui/empty.tsx";

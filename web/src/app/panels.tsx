@@ -1,4 +1,4 @@
-/** The panels that can be docked: what they are called, where they stand at first, what their tab counts. */
+/** The dockable panels: their names, initial places, and the counters of their tabs. */
 
 import {
   Activity,
@@ -32,7 +32,7 @@ import { countUnacknowledged } from "../store/run/acknowledged.ts";
 import { breakpointsOf } from "../store/run/breakpoints.ts";
 import { type OnDemand, onDemand } from "../ui/on_demand.tsx";
 
-// What mission control shows at first comes with the page, the rest when it is first shown.
+// Panels of mission control are loaded with the page, the others when they are first shown.
 const Breakpoints = onDemand(
   async () => (await import("../panels/breakpoints/breakpoints.tsx")).Breakpoints,
 );
@@ -68,11 +68,11 @@ export interface Panel {
   readonly title: string;
   readonly icon: LucideIcon;
   readonly component: FunctionComponent;
-  /** On which side it stands if nobody has put it elsewhere. */
+  /** Default side. */
   readonly side: PanelSide;
-  /** How many things in it want to be seen. */
+  /** Number of items that need attention. */
   readonly count?: (tab: OpenTab | null) => number;
-  /** Whether values are dropped there: dragged over its tab, they bring it to the front. */
+  /** True if values can be dropped there. Dragging one over the tab shows the panel. */
   readonly takesValues?: boolean;
 }
 
@@ -138,7 +138,7 @@ export const PANELS: readonly Panel[] = [
   },
 ];
 
-/** What is loaded when it is first shown, or once the page has nothing else to do. */
+/** Panels that are loaded when they are first shown, or while the page is idle. */
 export const LATER: readonly OnDemand<never>[] = [
   Log,
   RunHistory,

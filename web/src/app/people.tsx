@@ -1,4 +1,4 @@
-/** Who else has the machine in front open. */
+/** Other users of the current machine. */
 
 import type { Presence } from "../model/generated/protocol.ts";
 import type { OpenTab } from "../store/page/page.ts";

@@ -1,5 +1,5 @@
-/** Loads what is shown later, once the page is there, so that it is shown at once and also while the server is gone. A slow network
- * is left to what somebody looks at. */
+/** Loads later parts of the page in the background, so that they appear immediately and without the server. On a slow network, visible
+ * parts have priority. */
 
 import { effect } from "@preact/signals-core";
 import type { Page } from "../store/page/page.ts";
@@ -33,7 +33,7 @@ export function watchRobotsOnceThereAre(page: Page): () => void {
       ({ watchRobots }) => {
         if (!isOver) stop = watchRobots(page);
       },
-      // The server is gone for now: with the next news of the run it may be back.
+      // The server is not reachable; with the next message it may be.
       () => {
         isBegun = false;
       },

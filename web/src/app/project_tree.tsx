@@ -16,7 +16,7 @@ export interface ProjectNode {
   readonly children: readonly ProjectNode[] | null;
 }
 
-/** What a tree shows of a project. */
+/** Content of a project in a tree. */
 export function projectNode(project: Project, root: FileNode | undefined): ProjectNode {
   const children = root?.children?.map((child) => nodeOf(project.id, child)) ?? [];
   return { file: { project: project.id, path: "" }, name: project.name, kind: "project", children };
@@ -42,7 +42,7 @@ export function nodeKey({ file }: ProjectNode): string {
   return `${file.project}/${file.path}`;
 }
 
-/** The trees of all projects, told again when files change; null before they came. */
+/** The trees of all projects, updated when files change; null until they are loaded. */
 export function useProjects(): readonly ProjectNode[] | null {
   const { page } = useSession();
   const projects = useSignal(page.projects);
@@ -79,7 +79,7 @@ interface ProjectTreeProps {
   readonly first?: MachineFile | null;
   readonly onSelect: (node: ProjectNode) => void;
   readonly onOpen: (node: ProjectNode) => void;
-  /** What a folder is besides. */
+  /** Kind of a folder. */
   readonly note?: (node: ProjectNode) => string | null;
 }
 

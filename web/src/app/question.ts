@@ -1,4 +1,4 @@
-/** What commands ask the user. */
+/** Questions of commands to the user. */
 
 export type UserQuestion =
   | {

@@ -1,5 +1,4 @@
-/** What has to be known about the truth of what is shown of a run: how old it may be and what is done about it, whether the page
- * still catches up, whether the history cannot be told. */
+/** Bars on the truth of a shown run: its age and what the page does about it, missing events, an unreadable history. */
 
 import { History, RefreshCw, Unplug } from "lucide-react";
 import { agePhrase } from "../panels/parts/age.ts";
@@ -12,7 +11,7 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
 import { useSession } from "./provided.tsx";
 
-/** Fewer are told before anybody could read that they are. */
+/** Fewer arrive before a bar could be read. */
 const WORTH_SAYING = 100;
 
 export function RunBars({ tab }: { tab: OpenTab }) {
@@ -32,7 +31,7 @@ function OldBar({ watch }: { watch: Watch }) {
   const link = useSignal(page.server.link);
   const isCurrent = useSignal(watch.isCurrent);
   const { age_ms, isOld, why } = useRunAge(page, watch);
-  // Of a broken connection there is a bar already.
+  // A broken connection already has a bar.
   if (!isOld || (why === "link" && link.state === "down")) return null;
   return (
     <Bar kind={why === "engine" ? "danger" : "warning"} icon={<Unplug size={16} aria-hidden />}>

@@ -1,4 +1,4 @@
-/** How the run in front stands, in a word, and the way to the other runs of its machine. */
+/** State of the current run in a word, and a menu with the other runs of its machine. */
 
 import { ChevronDown } from "lucide-react";
 import { useRef, useState } from "react";
@@ -21,7 +21,7 @@ import { isSameRecord, useComputed, useSignal } from "../ui/signals.ts";
 import { useEntries } from "./entries.ts";
 import { useSession } from "./provided.tsx";
 
-/** So many runs stand in the menu; all are in the panel. */
+/** Number of runs in the menu; the panel lists all. */
 const RUNS_MAX = 12;
 
 export function RunChooser({ tab }: { tab: OpenTab }) {
@@ -52,7 +52,7 @@ export function RunChooser({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** For those who hear the page: how the run stands, whenever that is another, without its length. */
+/** Announces changes of the run's state to screen readers, without its length. */
 function Announced({ watch }: { watch: Watch }) {
   const text = useComputed(() => {
     const now = watch.now.value;

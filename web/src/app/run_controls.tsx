@@ -1,4 +1,4 @@
-/** What is done with runs all the time, in words: start, pause, stop, step; how the run in front stands, and which others there are. */
+/** Frequent commands of runs: start, pause, stop, step; the state of the current run, and the other runs. */
 
 import {
   ArrowDownToLine,
@@ -84,7 +84,7 @@ function Steps() {
 
 interface RunButtonProps {
   readonly id: string;
-  /** The command whose keys do the same, if it is another. */
+  /** The command whose shortcut applies, if it is another. */
   readonly keysOf?: string;
   readonly icon: ReactNode;
   readonly className?: string;

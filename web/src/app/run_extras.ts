@@ -1,4 +1,4 @@
-/** What the canvas shows of the run on its tab: marks, values and heat, each made anew only when what it shows is different. */
+/** Marks, values and heat of the run on the canvas, each recomputed only after changes. */
 
 import { computed, effect, type ReadonlySignal } from "@preact/signals-core";
 import type { Extras } from "../canvas/picture.ts";
@@ -14,7 +14,7 @@ import { portValues } from "../store/run/port_values.ts";
 import { sinceSnapshot } from "../store/run/since_snapshot.ts";
 import { computedWith, isSameList } from "../ui/signals.ts";
 
-/** So many letters of a value are shown when it is pointed at. */
+/** Length of a value's tooltip, in characters. */
 const FULL = 320;
 const CHIP = 18;
 const NO_VALUES: ReadonlyMap<string, ValueChip> = new Map();
@@ -71,7 +71,7 @@ export function heatNow({ run, view }: OpenTab) {
   return heatOf(countsShown(watch), mode, HEAT_LEVELS);
 }
 
-/** What states did until the moment that is shown; while live, all that they did. */
+/** Counts and times of the states up to the shown moment, or of all events while live. */
 function countsShown(watch: Watch): Iterable<CountUntil> {
   const until = watch.playhead.value;
   watch.journalVersion.value;

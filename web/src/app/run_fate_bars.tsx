@@ -1,5 +1,5 @@
-/** What somebody who watches a run has to know now: that it crashed, that scripts wait for a decision, that the machine is not the
- * one that runs. Each a bar above the canvas, with the ways out. */
+/** Bars above the canvas on the fate of a run: it crashed, scripts wait for a decision, or it runs another machine. Each has its
+ * remedies. */
 
 import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
 import { useEffect, useState } from "react";
@@ -108,7 +108,7 @@ function useLastWords(watch: Watch, wanted: boolean): string {
   return text === "" ? "" : ` Its last output: ${text}`;
 }
 
-/** Somebody has to say what becomes of scripts that a crash has interrupted. */
+/** Scripts that a crash has interrupted need a decision. */
 function InterruptedBar({ tab, watch }: RunBarProps) {
   const { commands, context } = useSession();
   const paths = useComputed(

@@ -1,5 +1,5 @@
-/** Tells what matters of the runs that are shown while nobody looks at mission control: questions, failures, crashes, who is in
- * control; and what takes longer than ever. Each thing once; all failures in one notice, that counts. Warnings only count in the badges. */
+/** Notices on shown runs while mission control is hidden: questions, failures, crashes, control, and states that take longer than ever.
+ * Each is reported once; failures share one notice with a counter. Warnings count in the badges only. */
 
 import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
@@ -17,7 +17,7 @@ import { type Longer, longerThanEver } from "../store/run/longer.ts";
 import { sessionOfPage, summaryOf } from "../store/run/running.ts";
 import type { AppSession } from "./session.ts";
 
-/** Failures that come together are told together. */
+/** Simultaneous failures share a notice. */
 const TOGETHER_MS = 1_000;
 
 /** From now on, for every tab that shows a run. */
@@ -49,7 +49,7 @@ interface RunNews {
   readonly topic: string;
   readonly level: Notice["level"];
   readonly text: string;
-  /** Of the button. */
+  /** Label of the button. */
   readonly title: string;
 }
 
@@ -69,7 +69,7 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
     tellQuestions(watch, tab, tell),
     tellFailures(watch, tab, tell),
     tellLonger(session, watch, tab),
-    // Over the machine in front, a bar says that its run crashed.
+    // A bar reports the crash of the current machine's run.
     tellCrash(watch, name, (news) => page.active.peek() !== tab && tell(news)),
     tellControl(session, watch, name, tell),
   ];
@@ -92,7 +92,7 @@ function tellQuestions(watch: Watch, { session }: OpenTab, tell: Tell): () => vo
   });
 }
 
-/** What happened before the page had caught up is no news. */
+/** Events before the page was up to date are no news. */
 function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => void {
   let from = Number.POSITIVE_INFINITY;
   let told = 0;
@@ -129,7 +129,7 @@ function newest(all: readonly RunFailure[]): RunFailure | undefined {
   );
 }
 
-/** Those that are told: a warning is not, nor what a crash did, which has its own notice. */
+/** Reported failures: neither warnings nor the effects of a crash, which has its own notice. */
 export function failuresSince(all: readonly RunFailure[], from: number): readonly RunFailure[] {
   return all.filter(
     ({ sequence, level, kind }) => sequence >= from && level === "error" && kind !== "crash",
@@ -162,8 +162,8 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
   });
 }
 
-/** Alarms of states that run too long at two readings of the clock. After a silence the server answers before it reads the events of
- * the silence. */
+/** Alarms of states that run too long at two readings of the clock, because after a silence the server responds before it reads the
+ * events of that time. */
 export class LongerAlarms {
   /** The clock at the first reading, by path; null once the alarm was due. */
   #since = new Map<string, number | null>();
@@ -204,7 +204,7 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
   });
 }
 
-/** What somebody wants of the user about control since before, or offers; null if it is nothing new. */
+/** A new request or offer of control to the user; null if there is none. */
 function wishOf(control: Control, before: Control | null, user: string): string | null {
   const { holder, requests, offered_to } = control;
   const asker = requests.find((other) => !before?.requests.includes(other));

@@ -1,5 +1,4 @@
-/** Commands that this page sent: those under way, and for a while what became of them. Nothing is said to be done before the robot
- * said so. */
+/** Commands of this page: pending ones, and for a while their fates. Nothing counts as done before the robot has confirmed it. */
 
 import { Check, CircleHelp, Hourglass, Send, TriangleAlert, X } from "lucide-react";
 import { type ReactNode, useEffect, useState } from "react";

@@ -22,23 +22,23 @@ export interface AppSession {
   readonly context: () => CommandContext;
   readonly canvas: Signal<CanvasControl | null>;
   readonly dialogs: ReadonlySignal<readonly OpenDialog[]>;
-  /** What is searched in the palette; null while it is closed. */
+  /** Search text of the palette; null while it is closed. */
   readonly palette: Signal<string | null>;
-  /** How panels are shown; the dock fills it in. */
+  /** Shows panels; set by the dock. */
   readonly dock: Signal<DockPort>;
 }
 
-/** Whether mission control, which can be seen, tells of the run on this tab: then it stands nowhere else. Reads signals. */
+/** True if visible mission control shows this tab's run, which is then shown nowhere else. Reads signals. */
 export function isInMission({ page, dock }: AppSession, tab: OpenTab): boolean {
   return page.active.value === tab && dock.value.isInSight(MISSION_PANEL);
 }
 
-/** What the dock does for the shell. */
+/** Functions of the dock for the shell. */
 export interface DockPort {
   readonly showPanel: (panel: string) => void;
-  /** Puts panels that float, or stand in a window, back to their side. */
+  /** Returns floating panels and panels in windows to their side. */
   readonly dock: (panels: readonly string[]) => void;
-  /** Whether a panel can be seen now. Reads signals. */
+  /** True if a panel is visible. Reads signals. */
   readonly isInSight: (panel: string) => boolean;
   readonly layouts: Layouts;
 }
@@ -86,7 +86,7 @@ export function newSession(page: Page, commands: Commands): AppSession {
   return { page, commands, context, canvas, dialogs, palette, dock };
 }
 
-/** Panels that were put elsewhere, and the canvas between them, have their sizes after so long. */
+/** Time after which moved panels and the canvas have their sizes, in ms. */
 const STANDING_MS = 200;
 
 /** The question without ids of states. */

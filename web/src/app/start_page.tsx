@@ -1,4 +1,4 @@
-/** What shows while no machine is open: what was open lately, what there is, and how to begin. */
+/** The page without an open machine: recent machines, all machines, and first steps. */
 
 import { Plus } from "lucide-react";
 import { useState } from "react";

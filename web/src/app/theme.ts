@@ -1,4 +1,4 @@
-/** Which theme the page wears: as the system does, or as the user says. */
+/** Theme of the page: that of the system, or the user's choice. */
 
 import { effect, signal } from "@preact/signals-core";
 import type { Page } from "../store/page/page.ts";

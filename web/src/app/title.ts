@@ -1,4 +1,4 @@
-/** What the browser's tab says: the machine in front, how its run stands, and a dot while it has edits that do not lie on disk. */
+/** Title of the browser tab: the current machine, the state of its run, and a dot for unsaved edits. */
 
 import { effect } from "@preact/signals-core";
 import { isChanged } from "../commands/save.ts";
@@ -7,7 +7,7 @@ import type { Watch } from "../store/history/run.ts";
 import type { Page } from "../store/page/page.ts";
 import { countUnacknowledged } from "../store/run/acknowledged.ts";
 
-/** Of runs that go on; `❗` while something wants a human. */
+/** Signs of active runs; `❗` while something needs attention. */
 const SIGNS: Readonly<Partial<Record<RunWord, string>>> = {
   starting: "▶ ",
   running: "▶ ",

@@ -10,7 +10,7 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { useSession } from "./provided.tsx";
 import "./toasts.css";
 
-/** So long a notice stays, by how much it matters; the pointer holds it. News of a run goes sooner: it stands in mission control. */
+/** Time that a toast stays, by its level. The pointer holds it. News of runs disappear sooner, because mission control has them. */
 const SHOWN_MS = { info: 5_000, warning: 10_000, error: 30_000 };
 const PASSING_MS = 8_000;
 const SHOWN_MAX = 4;
@@ -18,7 +18,7 @@ const SHOWN_MAX = 4;
 export function Toasts() {
   const session = useSession();
   const { page, dock } = session;
-  /** The machine whose run mission control shows: its news stands there. */
+  /** The machine whose run is in mission control, which shows its news. */
   const told = useComputed(() => {
     const machine = page.active.value?.session.id ?? null;
     return dock.value.isInSight(MISSION_PANEL) ? machine : null;
@@ -32,7 +32,7 @@ export function Toasts() {
     .filter(({ passing }) => !passing || passing.machine !== told);
   const shown = fresh.slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
-  // What newer ones push away is not shown later, when it is old: the notice centre has it.
+  // Displaced toasts are not shown later, because the notice centre has them.
   const pushed = fresh.at(-SHOWN_MAX - 1)?.id ?? 0;
   useEffect(() => setFirst((before) => Math.max(before, pushed)), [pushed]);
   useLeaving((machine) => {
@@ -105,7 +105,7 @@ function machineOf({ about, passing }: Notice): string | undefined {
   return passing?.machine ?? about?.machine;
 }
 
-/** Tells which machine was in front when another comes there: what was said about it would stand over the other one. */
+/** The earlier machine after a change of the current one: its notices would be shown over the other machine. */
 function useLeaving(left: (machine: string) => void): void {
   const { page } = useSession();
   const machine = useSignal(page.active)?.session.id;

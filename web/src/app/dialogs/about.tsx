@@ -1,4 +1,4 @@
-/** What this is. */
+/** Version and licence. */
 
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSignal } from "../../ui/signals.ts";

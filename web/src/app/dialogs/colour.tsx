@@ -1,4 +1,4 @@
-/** Which colour stands behind a state. */
+/** Choice of the colour of a state. */
 
 import { useState } from "react";
 import type { Rgb } from "../../commands/command.ts";

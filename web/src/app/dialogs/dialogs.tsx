@@ -11,7 +11,7 @@ import { ResumeCrashed } from "./resume_crashed.tsx";
 import { StartRunDialog } from "./start_run.tsx";
 import "./dialogs.css";
 
-/** What a dialog is given: what it is asked, and where its answer goes. Null closes it without one. */
+/** Properties of a dialog: its request, and the receiver of its result. Null closes it without a result. */
 export interface AskedDialogProps<Asks> {
   readonly asks: Asks;
   readonly answer: (answer: unknown) => void;
@@ -23,7 +23,7 @@ const framed = (words: ReactElement, { answer }: AskedDialogProps<never>) => (
   </Dialog>
 );
 
-// What commands a run comes with the page, the rest when it is first asked.
+// Dialogs for commands of a run are loaded with the page, the others at their first use.
 const About = onDemand(
   async () => (await import("./about.tsx")).About as FunctionComponent<AskedDialogProps<never>>,
   framed,

@@ -1,4 +1,4 @@
-/** A folder for a machine: one that is there, with a name for a new one in it, or for several inside each other. */
+/** Chooser of a folder for a machine: an existing one, with the name of a new folder or path in it. */
 
 import { useState } from "react";
 import type { LibraryRoot, MachineFile, Project } from "../../model/generated/protocol.ts";
@@ -10,11 +10,11 @@ import { keysAboveTree } from "./tree_below.ts";
 
 interface ChosenFolder {
   readonly file: MachineFile | null;
-  /** Why it cannot be that one. */
+  /** Reason why the folder cannot be used. */
   readonly refusal: string | null;
 }
 
-/** What is chosen by a folder and a name in it. Machines are folders that hold nothing else. */
+/** The chosen path. Folders of machines contain nothing else. */
 export function chosenFolder(
   nodes: readonly ProjectNode[],
   place: ProjectNode | null,
@@ -75,7 +75,7 @@ export function libraryOf(
   return null;
 }
 
-/** Where the folder will lie, and as which library. */
+/** Path of the folder, and its library path. */
 export function placeInWords(
   projects: readonly Project[],
   roots: readonly LibraryRoot[],
@@ -94,7 +94,7 @@ interface FolderChooserProps {
   readonly onPlace: (place: ProjectNode) => void;
   readonly refusal: string | null;
   readonly onDone: () => void;
-  /** Whether the name has the keyboard at first. */
+  /** True if the name has the initial focus. */
   readonly autoFocus?: boolean;
 }
 

@@ -138,7 +138,7 @@ function KeysRow({ command, keys, isOwn, doubled, onSet, onReset }: KeysRowProps
   );
 }
 
-/** What is to be known of the keys: also another command's, or the browser's. */
+/** Notes on the keys: conflicts with another command or the browser. */
 function noteOn(
   keys: readonly string[],
   doubled: ReadonlyMap<string, readonly string[]>,

@@ -1,4 +1,4 @@
-/** What a new machine is called and where it lies. */
+/** Name and folder of a new machine. */
 
 import { useState } from "react";
 import { folderName } from "../../commands/save.ts";

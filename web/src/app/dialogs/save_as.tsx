@@ -1,4 +1,4 @@
-/** Where a machine is to be saved. */
+/** Folder for a machine. */
 
 import { useState } from "react";
 import { Button } from "../../ui/button.tsx";

@@ -1,5 +1,5 @@
-/** What a run starts with: values of the root's inputs, whether it is held, what a crash means, how much is kept. What was given last is
- * remembered for each machine. */
+/** Start parameters of a run: values of the root's inputs, a pause at the start, the policy after a crash, the retention. The last entries
+ * are stored for each machine. */
 
 import { useState } from "react";
 import { textOfDefault } from "../../model/default_text.ts";
@@ -16,7 +16,7 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import type { AskedDialogProps } from "./dialogs.tsx";
 
-/** What was given: of inputs the texts, by name. */
+/** The entries: texts of inputs by name. */
 interface StartInputs {
   readonly inputs: Readonly<Record<string, string>>;
   readonly hold: boolean;
