@@ -1,4 +1,4 @@
-//! What Python's parser says about the text of a script. Python reads many at a time and runs none of them. Knows the two sides
+//! Facts about scripts from Python's parser. Python reads many scripts at a time and runs none of them. Knows the two sides
 //! of that conversation, but not how the interpreter is started.
 
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// The program that reads scripts: `python3 -I -c SCRIPT_READER`, with a [`request`] on its standard input.
 pub const SCRIPT_READER: &str = include_str!("scripts.py");
 
-/// What stands in a script, as far as it can be said without running it. Lines count from 1. The keys are those of `scripts.py`.
+/// Contents of a script that are known without running it. Lines count from 1. The keys are those of `scripts.py`.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default)]
 #[expect(clippy::struct_excessive_bools, reason = "each answers a question of its own")]
@@ -29,11 +29,11 @@ pub struct Facts {
     pub(crate) globals_read: Vec<(u64, String)>,
     /// Global variables that are set.
     pub(crate) globals_set: Vec<String>,
-    /// Whether the script may set global variables whose names do not stand in it.
+    /// True if the script may set global variables whose names it does not contain.
     pub(crate) sets_any_global: bool,
 }
 
-/// Why a script does not parse.
+/// Syntax error of a script.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Syntax {
     pub(crate) line: Option<u64>,
@@ -48,7 +48,7 @@ pub(crate) enum Returned {
     Id(serde_json::Number),
 }
 
-/// Why an interpreter's answer is none.
+/// Fault of an interpreter's answer.
 #[derive(Debug, thiserror::Error)]
 pub enum FactsError {
     /// It is not what the program writes.
@@ -57,9 +57,9 @@ pub enum FactsError {
     /// It is about other scripts.
     #[error("it got {asked} scripts and answered for {answered}")]
     Count {
-        /// So many were asked about.
+        /// Number of requested scripts.
         asked: usize,
-        /// So many answers came.
+        /// Number of answers.
         answered: usize,
     },
 }
@@ -69,12 +69,12 @@ struct Request<'a> {
     scripts: &'a [&'a str],
 }
 
-/// What the program reads: the texts of scripts.
+/// Input of the program: the texts of scripts.
 pub fn request(scripts: &[&str]) -> Result<Vec<u8>, FactsError> {
     Ok(serde_json::to_vec(&Request { scripts })?)
 }
 
-/// What the program has written about so many scripts, in their order.
+/// Parses the output of the program for this number of scripts, in their order.
 pub fn read_facts(answer: &[u8], asked: usize) -> Result<Vec<Facts>, FactsError> {
     let facts: Vec<Facts> = serde_json::from_slice(answer)?;
     if facts.len() != asked {

@@ -11,7 +11,7 @@ pub use rafcon_protocol::api::Severity;
 /// Something that is wrong with a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// How bad it is.
+    /// Its severity.
     pub severity: Severity,
     /// The state; empty for the machine as a whole.
     pub path: StatePath,
@@ -23,9 +23,9 @@ pub struct Finding {
     pub file: Option<PathBuf>,
     /// The line of the state's script, counted from 1.
     pub line: Option<u64>,
-    /// What is wrong.
+    /// Description of the fault.
     pub what: String,
-    /// What can be done.
+    /// Possible remedies.
     pub remedy: String,
     /// Edits that mend it, the one that keeps most first.
     pub repairs: Vec<Repair>,

@@ -17,10 +17,10 @@ use rafcon_storage::{Fault, LoadProblem};
 use repairs::repairs;
 use std::collections::BTreeMap;
 
-/// For so many findings the edits are looked for that mend them.
+/// Limit of the findings for which repairs are computed.
 const REPAIRED_MAX: usize = 1000;
 
-/// What Python says about scripts, by their text. A script that is missing here is reported as not checked.
+/// Facts about scripts by their text. A missing script is reported as not checked.
 pub type ScriptFacts<'t> = BTreeMap<&'t str, &'t Facts>;
 
 /// The texts of all scripts of a machine, each once; those of a library too.
@@ -50,7 +50,7 @@ pub fn of_scripts(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Finding> {
     found
 }
 
-/// What is wrong with a text as the script of one state of the machine.
+/// Faults of a text as the script of one state of the machine.
 pub fn of_script(machine: &Machine, path: &rafcon_model::StatePath, facts: &Facts) -> Vec<Finding> {
     machine
         .state(path)

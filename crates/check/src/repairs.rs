@@ -110,7 +110,7 @@ impl Place<'_> {
         mended.into_iter().chain(removed).collect()
     }
 
-    /// For an end whose port is gone: the port that is called like the one at the other end, or the only one that fits.
+    /// For an end without its port: the port with the name of the other end's, or the only one that fits.
     fn other_port(&self, container: &Container, flow: &DataFlow) -> Option<Repair> {
         let from = self.ports(container, &flow.from_state, Side::From);
         let to = self.ports(container, &flow.to_state, Side::To);

@@ -77,7 +77,7 @@ pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Findin
     found
 }
 
-/// What is wrong with a text as the script of this state.
+/// Faults of a text as the script of this state.
 pub(crate) fn of_state(
     machine: &Machine,
     (path, state): (&StatePath, &State),
@@ -112,7 +112,7 @@ pub(crate) fn of_state(
     found
 }
 
-/// A state whose script is looked at.
+/// A state whose script is checked.
 struct Judge<'m> {
     machine: &'m Machine,
     path: &'m StatePath,

@@ -244,7 +244,7 @@ mod tests {
     use super::{Mutex, RwLock};
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    /// What is said about it; nothing if it is in order.
+    /// Runs `act` and compares the message of its panic; empty without a panic.
     fn check(act: impl FnOnce(), expected: &str) {
         let said = match catch_unwind(AssertUnwindSafe(act)) {
             Ok(()) => String::new(),

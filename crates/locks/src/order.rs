@@ -1,11 +1,11 @@
-//! Which locks a thread holds, and in which order locks were taken so far. Knows kinds of locks, but not how one is taken.
+//! Locks held by each thread, and the observed lock order. Knows kinds of locks, not their implementation.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::panic::Location;
 
-/// Where in the source something is done.
+/// A position in the source.
 pub(crate) type At = &'static Location<'static>;
 
 /// All locks that are made at one place in the source, for one type of content.
@@ -29,7 +29,7 @@ struct HeldLock {
     taken: At,
 }
 
-/// Where the first lock of a pair was held, and where the second was taken inside it.
+/// Positions of a pair: where the first lock was held, and where the second was taken inside it.
 type Seen = (At, At);
 
 /// For each kind of lock the kinds that were taken inside it.
@@ -40,12 +40,12 @@ static ORDERS: parking_lot::Mutex<Orders> = parking_lot::Mutex::new(Orders(BTree
 
 thread_local! {
     static HELD: RefCell<Vec<HeldLock>> = const { RefCell::new(Vec::new()) };
-    /// Pairs that this thread need not look up again.
+    /// Pairs that this thread has already checked.
     static KNOWN: RefCell<BTreeSet<(Kind, Kind)>> = const { RefCell::new(BTreeSet::new()) };
 }
 
 impl Orders {
-    /// Notes that `inner` was taken inside `outer`; the error says which earlier order contradicts it.
+    /// Records that `inner` was taken inside `outer`. The error names the contradicting order.
     fn note(&mut self, outer: Kind, inner: Kind, seen: Seen) -> Result<(), String> {
         if let Some(way) = self.way(inner, outer) {
             let steps = way.iter().map(|(kind, (held, taken))| {
@@ -62,7 +62,7 @@ impl Orders {
         Ok(())
     }
 
-    /// How `to` was taken inside `from`, perhaps with others in between.
+    /// The chain of locks by which `to` was taken inside `from`.
     fn way(&self, from: Kind, to: Kind) -> Option<Vec<(Kind, Seen)>> {
         let mut ways = vec![(from, Vec::new())];
         let mut visited = BTreeSet::new();

@@ -1,4 +1,4 @@
-/** Taking a planner's answer into a machine: its hierarchy state in a container, as one edit; and the same as it would stand there. */
+/** Inserts a planner's result into a machine: its hierarchy state in a container, as one edit; and a preview of that. */
 
 import type { Edit, Selection, StateDocument } from "../model/generated/protocol.ts";
 import type { Box } from "../model/geometry.ts";
@@ -12,7 +12,7 @@ import { containerAt } from "./legal.ts";
 import { newBox, newId, newName } from "./newcomers.ts";
 import { isRefused, type Plan, type Refused, refused, together } from "./plan.ts";
 
-/** So much of an empty container an answer takes. */
+/** Share of an empty container that a plan fills. */
 const SHARE = 0.8;
 
 export interface Accepted extends Plan {

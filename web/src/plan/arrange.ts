@@ -1,4 +1,4 @@
-/** Automatic layout: what elk is asked about each container, inner ones first, and what its answers come to. */
+/** Automatic layout: the requests to elk for each container, inner ones first, and the resulting positions. */
 
 import type { ElkExtendedEdge, ElkNode, ElkPort, LayoutOptions } from "elkjs/lib/elk-api.js";
 import type { StateDocument, TransitionDocument } from "../model/generated/protocol.ts";
@@ -8,10 +8,10 @@ import { childPath, idOf } from "../model/path.ts";
 import { childBoxes } from "./boxes.ts";
 import { isExactlyRightAngled } from "./right_angles.ts";
 
-/** How one container is arranged, in units of its own. */
+/** Layout of one container, in its own units. */
 export interface Level {
   readonly size: Size;
-  /** Where the name stands, above everything else. */
+  /** Space for the name above the content. */
   readonly nameBox: Box;
   /** By the ids of the children. */
   readonly boxes: ReadonlyMap<string, Box>;
@@ -21,7 +21,7 @@ export interface Level {
   readonly routes: ReadonlyMap<number, readonly Point[]>;
 }
 
-/** What elk does: a graph without places in, the same with places out. */
+/** The function of elk: adds positions to a graph. */
 export type Layouter = (graph: ElkNode) => Promise<ElkNode>;
 
 /** Caller of an arrangement, which may cancel it. */
@@ -80,11 +80,11 @@ function containersIn(machine: Machine, path: string): readonly string[] {
   return [...machine.children(path).flatMap((child) => containersIn(machine, child)), path];
 }
 
-/** How large a state without content is drawn. */
+/** Size of a state without content. */
 const LEAF: Size = { width: 100, height: 60 };
 const DECIDER: Size = { width: 80, height: 48 };
 
-/** How large a container is drawn whose content would take so much: less, the more it is, since one looks into it anyway. */
+/** Size of a container by the size of its content. It grows less than the content, because users zoom into it. */
 function outerSize({ width, height }: Size): Size {
   const part = Math.min(1, (LEAF.width / width) ** 0.25);
   return { width: width * part, height: height * part };
@@ -112,7 +112,7 @@ export function elkGraph(
   return { id: path, children, edges, layoutOptions: levelOptions(unit) };
 }
 
-/** Of the largest state of a container the others have at least this part, so that their names can be read as well. */
+/** Smallest size of a state relative to the largest one of its container, so that all names are readable. */
 const PART = 0.35;
 
 function contentSizes(
@@ -194,7 +194,7 @@ function outcomePort(state: string, outcome: number): string {
   return `${state}:outcome${outcome}`;
 }
 
-/** Errors leave below, everything else goes on to the right. */
+/** Error transitions leave at the bottom, all others on the right. */
 function side(outcome: number): string {
   return outcome < 0 ? "SOUTH" : "EAST";
 }
@@ -203,7 +203,7 @@ function port(id: string, side: string): ElkPort {
   return { id, width: 0, height: 0, layoutOptions: { "elk.port.side": side } };
 }
 
-/** How wide a letter of a label is, and how high: room between states. */
+/** Width and height of a letter of a label, for the space between states. */
 const LETTER: Size = { width: 5, height: 8 };
 
 function edge(machine: Machine, container: string, line: TransitionDocument): ElkExtendedEdge {
@@ -219,7 +219,7 @@ function edge(machine: Machine, container: string, line: TransitionDocument): El
   };
 }
 
-/** Reads what elk says of a container, and makes room for its name above. */
+/** Reads elk's result for a container, with space for the name above. */
 function readLevel(state: StateDocument, answer: ElkNode): Level {
   const { width = 1, height = 1, children = [] } = answer;
   const by = { x: width * 0.02, y: Math.max(height * 0.13, width * 0.05) };

@@ -1,4 +1,4 @@
-/** What an automatic layout changes: one edit. */
+/** The edit of an automatic layout. */
 
 import type { Edit, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";
@@ -38,7 +38,7 @@ class Arranging {
     this.#levels = levels;
   }
 
-  /** The container itself with its lines, then what stands inside it. */
+  /** The container with its lines, then its content. */
   container(
     state: StateDocument,
     path: string,

@@ -1,4 +1,4 @@
-/** Where states stand in their containers, said by the file or not, and the edits that put them elsewhere. */
+/** Positions of states in their containers, stored or not, and the edits that move them. */
 
 import { childBoxesOf } from "../model/default_places.ts";
 import type { Edit, Element, StateDocument } from "../model/generated/protocol.ts";
@@ -74,14 +74,14 @@ export function waypointsEdit(path: string, element: Element, points: readonly P
   return { edit: "set_waypoints", path, element, waypoints };
 }
 
-/** Whether the file says where the state stands, in the form of today. */
+/** True if the file has the position of the state in the present form. */
 function isPlaced(state: StateDocument): boolean {
   const gui = state.layout?.["gui"];
   const { position, size } = readLayout(state);
   return !!position && !!size && typeof gui === "object" && gui !== null && "editor_gaphas" in gui;
 }
 
-/** Edits that put a state into a box; `at` where it stands by then, if that is elsewhere. */
+/** Edits that move a state into a box. `at` is its path by then, if it differs. */
 export function boxEdits(state: StateDocument, path: string, box: Box): Edit[] {
   const { position, size, nameBox } = readLayout(state);
   const edits: Edit[] = [];
@@ -97,7 +97,7 @@ export function boxEdits(state: StateDocument, path: string, box: Box): Edit[] {
   return edits;
 }
 
-/** Edits that keep children where they show, though the file does not say so: before others come, go or change places. */
+/** Edits that store the shown positions of children before others are added, removed or moved. */
 export function pins(machine: Machine, container: string, without: ReadonlySet<string>): Edit[] {
   const edits: Edit[] = [];
   for (const [path, box] of childBoxes(machine, container)) {
@@ -134,7 +134,7 @@ export function lineRoom({ width, height }: Size): number {
   return Math.min(width, height) * LINE_ROOM;
 }
 
-/** How far a box may be moved in its container. Room for lines stays at the border, unless the box is nearer to it already. */
+/** Largest move of a box in its container. The border keeps space for lines, unless the box is already closer. */
 export function allowedShift(box: Box, container: Size, by: Point): Point {
   const allowed = (wanted: number, at: number, length: number, room: number) => {
     const [least, most] = span(length, room, lineRoom(container));

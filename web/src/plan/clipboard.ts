@@ -24,7 +24,7 @@ import { isRefused, type Plan, type Planned, type Refused, refused, together } f
 export interface Clip {
   /** States, and scoped variables of their container; null if there are none. */
   readonly selection: Selection | null;
-  /** Where the connections of the selection bend. */
+  /** Waypoints of the connections of the selection. */
   readonly ways?: CopiedWaypoints | undefined;
   /** Ports and outcomes for themselves. */
   readonly parts: readonly InterfacePart[];
@@ -36,7 +36,7 @@ export interface CopiedWaypoints {
   readonly data_flows: readonly (readonly Point[])[];
 }
 
-/** What of the elements goes to the clipboard. */
+/** The parts of the elements that are copied. */
 export function clipOf(machine: Machine, elements: readonly ElementRef[]): Clip | Refused {
   const states = elements.filter(({ kind }) => kind === "state");
   const selection = states.length > 0 ? copySelection(machine, elements) : null;
@@ -62,7 +62,7 @@ export function clipOf(machine: Machine, elements: readonly ElementRef[]): Clip 
 const NOTHING =
   "Select states inside the machine, ports or own outcomes to copy. Every state has an income, aborted and preempted.";
 
-/** Where the connections between what was copied bend. */
+/** Waypoints of the connections between copied elements. */
 function copiedWaypoints(
   machine: Machine,
   container: string,
@@ -81,7 +81,7 @@ function copiedWaypoints(
     : undefined;
 }
 
-/** Where a paste would go: states into a container, ports and outcomes to a state. */
+/** Target of a paste: a container for states, a state for ports and outcomes. */
 interface PasteGoal {
   readonly container: { readonly path: string; readonly at?: Point } | null;
   readonly owner: string | null;
@@ -108,7 +108,7 @@ export function pasteClip(machine: Machine, clip: Clip, { container, owner }: Pa
   if (isRefused(states) || parts.length === 0) return states;
   const more = pasteParts(machine, container.path, parts);
   if (isRefused(more)) return more;
-  // Parts first: their ids are taken when the paste looks for free ones.
+  // Parts first, because their ids are used when the paste chooses free ones.
   const select = [...(states.select ?? []), ...(more.select ?? [])];
   return { name: states.name, edit: together([...editsIn(more), ...editsIn(states)]), select };
 }
@@ -202,7 +202,7 @@ interface Copied {
   readonly ways: CopiedWaypoints | undefined;
 }
 
-/** Where copies are wanted; left out: near where the originals stand. */
+/** Position of the copies; by default near the originals. */
 interface PastePlace {
   readonly middle?: Point | undefined;
   readonly corner?: Point | undefined;
@@ -241,7 +241,7 @@ function pasted(
   return plan;
 }
 
-/** What comes first into an empty hierarchy is its start. */
+/** The first state in an empty hierarchy becomes its start. */
 function firstStart(
   machine: Machine,
   path: string,
@@ -253,7 +253,7 @@ function firstStart(
   return [{ edit: "set_start", path, to: { state: id } }];
 }
 
-/** From where copies stood to where they come to stand. */
+/** Offset of the copies. */
 interface Placement {
   readonly from: Point;
   readonly to: Point;

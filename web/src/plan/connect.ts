@@ -34,7 +34,7 @@ interface Ignored {
   readonly id: number;
 }
 
-/** Whether a connection may lead from one to the other, as it would be made by `connect`. */
+/** True if `connect` may make a connection between the two. */
 export function checkConnect(machine: Machine, from: ElementRef, to: ElementRef): true | Refused {
   const edits = connection(machine, from, to);
   return isRefused(edits) ? edits : true;
@@ -93,7 +93,7 @@ function transition(
   return lineRefused(machine, line, own) ?? [lineEdit(machine, line)];
 }
 
-/** Whether the line was drawn from its end: from an income to an outcome, or from the outcome of the state around. */
+/** True if the line was drawn from its end: from an income to an outcome, or from the container's outcome. */
 function runsBackwards(one: ElementRef, other: ElementRef): boolean {
   if (lineBetween(other, one) !== null) return true;
   if (one.kind === "state" && isWithin(one.path, other.path)) return false;
@@ -221,7 +221,7 @@ function transitionAnew(
     if (end === "to") return [{ edit: "set_transition_target", ...place, to: line.to }, ...bends];
     const container = machine.state(path);
     const start = line.from || !container ? undefined : startOf(container);
-    // A start that is there already leads here from now on.
+    // An existing start leads here from now on.
     if (start && start.id !== id)
       return [{ edit: "remove_transition", ...place }, lineEdit(machine, line)];
     return [{ edit: "set_transition_origin", ...place, from: line.from }, ...bends];
@@ -273,7 +273,7 @@ function moved(
   ];
 }
 
-/** A transition from the first free outcome of a state to the sibling that stands nearest. */
+/** A transition from the first free outcome of a state to its nearest sibling. */
 export function connectToSibling(machine: Machine, path: string): Planned {
   const sibling = nearestSibling(machine, path, (other) => other);
   if (isRefused(sibling)) return sibling;

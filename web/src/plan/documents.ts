@@ -9,7 +9,7 @@ import { idOf, parentOf } from "../model/path.ts";
 import { machineOf } from "../model/plain.ts";
 import { boxIn, childBoxes } from "./boxes.ts";
 
-/** A state and all states inside it; their paths begin at the id. What stands inside a library is not taken along. */
+/** A state and its descendants, with paths from its id. The content of libraries is excluded. */
 export function documentsOf(machine: Machine, path: string, id = idOf(path)): StateDocument[] {
   const state = machine.state(path);
   if (!state) return [];
@@ -70,7 +70,7 @@ export function drawnInto(states: readonly StateDocument[], box: Box): StateDocu
   });
 }
 
-/** The lists of states of a selection, each with what stands inside its first. */
+/** The states of a selection, each list with the descendants of its first state. */
 export function separate(states: readonly StateDocument[]): readonly StateDocument[][] {
   const found: StateDocument[][] = [];
   for (const state of states) {
@@ -80,12 +80,12 @@ export function separate(states: readonly StateDocument[]): readonly StateDocume
   return found;
 }
 
-/** Where a copied state stood. */
+/** Position of a copied state. */
 export function drawnBox(state: StateDocument, index: number): Box {
   return childBox(state, index, { width: 100, height: 100 });
 }
 
-/** The point, moved on until nothing new would cover what is there in the same place. */
+/** The point, moved until no new element has the position of an existing one. */
 export function besides(at: Point, size: Box, taken: readonly Box[]): Point {
   const step = Math.min(size.width, size.height) * 0.1;
   let point = at;

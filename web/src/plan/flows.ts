@@ -17,7 +17,7 @@ import { containerAt } from "./legal.ts";
 import { isRefused, type Refused, refused } from "./plan.ts";
 import { allPorts, PORT_WORDS } from "./ports.ts";
 
-/** A port that is there, or will be. */
+/** An existing or planned port. */
 interface PortAt {
   readonly path: string;
   readonly kind: PortKind;
@@ -69,7 +69,7 @@ function course(machine: Machine, source: PortAt, target: PortAt): Course | null
   return begin === null || end === null ? null : { source, target, begin, end };
 }
 
-/** Whether ports between can be made: an input does not lead out of its state, nor to an output from outside. */
+/** True if ports in between can be created: an input does not lead out of its state, nor to an output from outside. */
 function isOpen({ source, target, begin, end }: Course): boolean {
   const meeting = commonPath([begin, end]);
   if (meeting === null) return false;
@@ -143,7 +143,7 @@ class Chain {
   readonly #machine: Machine;
   readonly #port: PortDocument;
   readonly #ignored: { readonly path: string; readonly id: number } | undefined;
-  /** Where the value has come: the state, seen from any container, and its port. */
+  /** Present position of the value: state and port. */
   #state: string;
   #id: number;
 
@@ -260,7 +260,7 @@ export function fittingPort(machine: Machine, other: PortAt, path: string): Port
   return { path, kind, port };
 }
 
-/** Around the port the same kind, so that the value goes on; elsewhere the opposite. */
+/** The kind of the port in its containers, so that the value continues; elsewhere the opposite kind. */
 function kindFor(other: PortAt, path: string): "input" | "output" {
   const isAround = other.path.startsWith(`${path}/`);
   const gives = other.kind === "output" || (other.kind === "scoped_variable" && isAround);

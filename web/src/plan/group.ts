@@ -56,7 +56,7 @@ export function group(
   };
 }
 
-/** Where a point of the container comes to stand in the group. */
+/** Converts a point of the container to the group. */
 function inGroup({ x, y }: Point, { box, bounds, content }: GroupPlace): Point {
   const factor = content.width / bounds.width;
   return {
@@ -96,16 +96,16 @@ function isEntry(transition: TransitionDocument, ids: ReadonlySet<string>): bool
   return to_outcome == null && ids.has(to_state ?? "") && !ids.has(from_state ?? "");
 }
 
-/** Where a group stands, and where its content comes to stand in it. */
+/** Position of a group, and positions of its content. */
 interface GroupPlace {
   readonly box: Box;
   readonly nameBox: Box | undefined;
-  /** Around the states as they stand, and where that comes, both in the coordinates of the container. */
+  /** Bounds of the states, and their new bounds, both in the coordinates of the container. */
   readonly bounds: Box;
   readonly content: Box;
 }
 
-/** How wide the border of a group is, as a part of what it is wanted: less where there is less room. */
+/** Width of a group's border as a fraction of the preferred one, less in little space. */
 const BORDERS = [1, 0.7, 0.5, 0.35];
 
 /** The box around the states, with a border and room for the name, clear of the other states. Where there is no room for that,
@@ -268,7 +268,7 @@ function deciderRefused(): Refused {
   return refused("A decider belongs to its barrier: choose another state, or the barrier.");
 }
 
-/** Places of the old ports for the new ones of the same name. */
+/** Positions of the old ports for new ports with their names. */
 function portsFrom(old: StateDocument, now: StateDocument): ReadonlyMap<string, Point> {
   const { ports } = readLayout(old);
   const found = new Map<string, Point>();

@@ -13,13 +13,13 @@ import { type LibraryToInsert, type NewKind, newBox, newLibrary, newState } from
 import { isRefused, type Planned, type Refused, refused, together } from "./plan.ts";
 import { freeOutcome } from "./transitions.ts";
 
-/** What is put in: a state that is there, a new one of a kind, or one that runs a library. */
+/** The inserted state: an existing one, a new one of a kind, or a library state. */
 type Inserted =
   | string
   | { readonly kind: NewKind; readonly name?: string }
   | { readonly library: LibraryToInsert; readonly root: StateDocument };
 
-/** Puts a state between the ends of a transition: one that is there, or a new one with its middle at the point. */
+/** Inserts a state into a transition: an existing one, or a new one with its centre at the point. */
 export function insertState(
   machine: Machine,
   element: ElementRef,
@@ -61,7 +61,7 @@ export function insertState(
   );
 }
 
-/** A point of a transition at which a state would stand between its ends. */
+/** A point of a transition for a state between its ends. */
 export function middleOf(machine: Machine, element: ElementRef): Point {
   const container = machine.state(element.path);
   const found =

@@ -1,4 +1,4 @@
-/** What may be edited at all, and the words for what may not. */
+/** Rules for editable elements, with the reasons of refusals. */
 
 import type { StateDocument, StateKind } from "../model/generated/protocol.ts";
 import { isContainer, type Machine } from "../model/machine.ts";

@@ -26,7 +26,7 @@ import { isRefused, type Planned, type Refused, refused, together } from "./plan
 import { minimum, resizeEdits, scaleInside } from "./resize.ts";
 import { keptRightAngles } from "./right_angles.ts";
 
-/** How far states may be moved together. They stay in their container, with room for lines at its border. */
+/** Largest common move of states. They stay in their container, with space for lines at its border. */
 export function allowedMove(machine: Machine, paths: readonly string[], by: Point): Point {
   const container = commonContainer(machine, paths);
   if (typeof container !== "string") return by;
@@ -74,7 +74,7 @@ export function moveInto(
     return refused(`${machine.state(own)?.name} cannot be inside itself. Choose another place.`);
   }
   const ids = arrivingIds(machine, container, paths.map(idOf));
-  // Positions first: they are set where the states stand before.
+  // Positions first, because they are set at the earlier paths.
   const edits: Edit[] = [
     ...pins(machine, container, new Set()),
     ...pins(machine, from, new Set(paths)),
@@ -111,7 +111,7 @@ function entryAmong(machine: Machine, container: string, paths: readonly string[
   );
 }
 
-/** How many connections states lose when they go into another container: those between them go along. */
+/** Number of connections that states lose in another container. Connections between them are moved. */
 export function lostConnections(machine: Machine, paths: readonly string[]): number {
   const container = commonContainer(machine, paths);
   const state = typeof container === "string" ? machine.state(container) : undefined;
@@ -262,7 +262,7 @@ function nameEdit(machine: Machine, path: string, box: Box, verb: string): Plann
   return { name: `${verb} the name of ${state.name}`, edit: together(edits) };
 }
 
-/** Sets the points between the ends of a transition or data flow; none makes it straight. */
+/** Sets the waypoints of a transition or data flow; an empty list makes it straight. */
 export function setWaypoints(
   machine: Machine,
   element: ElementRef,
@@ -372,7 +372,7 @@ export function setBackground(
   return { name: `Colour ${state.name}`, edit: { edit: "set_layout", path, layout } };
 }
 
-/** Whether a library state shows its content, for everybody who opens the machine. */
+/** Sets the visibility of a library state's content for all users. */
 export function showContent(machine: Machine, path: string, shown: boolean): Planned {
   const state = stateAt(machine, path);
   if (isRefused(state)) return state;

@@ -12,7 +12,7 @@ import { childBoxes, inside, lineRoom, sizeIn } from "./boxes.ts";
 /** Kinds of states that people add; libraries come by themselves, deciders with their barrier. */
 export type NewKind = Exclude<StateKind, "decider" | "library">;
 
-/** Where a new state comes to stand: its middle at the point, or else at the first free place. */
+/** Position of a new state: centred at the point, or in the first free space. */
 export function newBox(machine: Machine, container: string, at?: Point, aspect = 1): Box {
   const size = sizeIn(machine, container);
   const side = Math.min(size.width, size.height) * 0.2;

@@ -1,4 +1,4 @@
-/** Values that pass through the ports of a container: what flows directly once it is gone, and whether that fits. */
+/** Values through the ports of a container: the direct data flows without it, and whether their types fit. */
 
 import type { ElementRef } from "../model/element.ts";
 import { endInWords, flowEnds, isPort } from "../model/ends.ts";

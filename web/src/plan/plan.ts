@@ -1,18 +1,18 @@
-/** What a gesture or command comes to: one named edit, or the reason why not. */
+/** Result of a gesture or command: one named edit, or the reason of a refusal. */
 
 import type { ElementRef } from "../model/element.ts";
 import type { Edit } from "../model/generated/protocol.ts";
 
 /** One step of the history, not sent yet. */
 export interface Plan {
-  /** What the step is called in the history: "Move state". */
+  /** Name of the step in the history, such as "Move state". */
   readonly name: string;
   readonly edit: Edit;
-  /** What is to be selected once it is done; left out: the selection stays. */
+  /** Selection after the edit; unchanged by default. */
   readonly select?: readonly ElementRef[];
 }
 
-/** Why something cannot be done: what, where, and the way out, in one sentence. */
+/** A refusal in one sentence: cause, place and remedy. */
 export interface Refused {
   readonly refused: string;
 }

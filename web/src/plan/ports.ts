@@ -59,7 +59,7 @@ function newOutcomeName(state: StateDocument): string {
   return names.includes("success") ? numberedName("success", names) : "success";
 }
 
-/** What is known of a port that is to be made. */
+/** Properties of a new port. */
 interface NewPort {
   readonly name?: string;
   readonly data_type?: string;
@@ -272,7 +272,7 @@ export function setRuntimeValue(machine: Machine, element: ElementRef, value: Js
   return { name: `Change value of ${port.name}`, edit };
 }
 
-/** Whether the value of the library state, or the library's default, is used. A value that is not there yet is the default. */
+/** Selects the value of the library state or the library's default. A missing value is the default. */
 export function useRuntimeValue(machine: Machine, element: ElementRef, used: boolean): Planned {
   const found = libraryPort(machine, element);
   if (isRefused(found)) return found;

@@ -9,7 +9,7 @@ import { isRefused, type Planned, refused, together } from "./plan.ts";
 import { renameOutcome, renamePort } from "./ports.ts";
 import { setScript } from "./states.ts";
 
-/** Where the script of its state calls the port or outcome by its name. */
+/** Occurrences of the port's or outcome's name in the script of its state. */
 export function usesInScript(machine: Machine, element: ElementRef): readonly ScriptUse[] {
   const state = machine.state(element.path);
   const name = nameOf(machine, element);

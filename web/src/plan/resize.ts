@@ -1,4 +1,4 @@
-/** Edits that give a state another size, and what stands on and in it places that fit. */
+/** Edits that resize a state and adapt the positions on its border and inside it. */
 
 import type { Edit, StateDocument } from "../model/generated/protocol.ts";
 import type { Box, Point, Size } from "../model/geometry.ts";

@@ -1,4 +1,4 @@
-/** Adding and removing states and what belongs to them, and changing what a state says about itself. */
+/** Edits that add and remove states with their parts, and change properties of states. */
 
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Edit, JsonValue, StateDocument, StateKind } from "../model/generated/protocol.ts";
@@ -36,7 +36,7 @@ export function addState(
   return { ...plan, edit: together([...edits, body]) };
 }
 
-/** What the decider of a new barrier begins with. */
+/** Initial script of a new barrier's decider. */
 const DECIDER_SCRIPT = `def execute(self, inputs, outputs, gvm):
     # How a child ended: self.get_outcome_for_state_name("its name").name
     return "success"
@@ -56,7 +56,7 @@ export function addLibrary(
   return added(machine, container, around, [state], `Add library ${library.name}`);
 }
 
-/** The edit that adds a state with what stands inside it; the first in a hierarchy is where it starts. */
+/** The edit that adds a state with its content. The first state of a hierarchy becomes its start. */
 export function added(
   machine: Machine,
   container: string,

@@ -63,7 +63,7 @@ function goalIn(container: string, to: ElementRef): Goal | null {
   return parentOf(to.path) === container ? { state: idOf(to.path) } : null;
 }
 
-/** Why the transition would be against the rules; null if it would not. `ignored` is a transition that goes away for it. */
+/** Reason why the transition breaks a rule; null if it is valid. `ignored` is a transition that it replaces. */
 export function lineRefused(
   machine: Machine,
   line: PossibleTransition,
@@ -123,7 +123,7 @@ export function beginning(
   );
 }
 
-/** What concurrency states ask for. */
+/** Rules of concurrency states. */
 export function kindRefused(
   container: StateDocument,
   { from, to }: Pick<PossibleTransition, "from" | "to">,
@@ -152,7 +152,7 @@ export function kindRefused(
       );
 }
 
-/** The edit that makes the transition; a start that is there already leads here from now on. */
+/** The edit that adds the transition. An existing start leads here from now on. */
 export function lineEdit(machine: Machine, line: PossibleTransition): Edit {
   const { container: path, from, to } = line;
   const container = machine.state(path);
@@ -272,7 +272,7 @@ function outcomeAt(path: string, id: number): OutcomeRef {
 
 interface Down {
   readonly edits: Edit[];
-  /** Where the highest transition ends. */
+  /** End of the outermost transition. */
   readonly to: ElementRef;
 }
 
