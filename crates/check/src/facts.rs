@@ -57,9 +57,9 @@ pub enum FactsError {
     /// It is about other scripts.
     #[error("it got {asked} scripts and answered for {answered}")]
     Count {
-        /// Number of requested scripts.
+        /// Number of scripts in the request.
         asked: usize,
-        /// Number of answers.
+        /// Number of received answers.
         answered: usize,
     },
 }

@@ -11,7 +11,7 @@ pub use rafcon_protocol::api::Severity;
 /// Something that is wrong with a machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// Its severity.
+    /// Severity of the finding.
     pub severity: Severity,
     /// The state; empty for the machine as a whole.
     pub path: StatePath,
@@ -23,9 +23,9 @@ pub struct Finding {
     pub file: Option<PathBuf>,
     /// The line of the state's script, counted from 1.
     pub line: Option<u64>,
-    /// Description of the fault.
+    /// Description of the fault in one sentence.
     pub what: String,
-    /// Possible remedies.
+    /// Possible remedies, in one sentence.
     pub remedy: String,
     /// Edits that mend it, the one that keeps most first.
     pub repairs: Vec<Repair>,
