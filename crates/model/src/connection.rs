@@ -3,8 +3,8 @@
 use crate::port::Extra;
 use crate::{DataFlowId, OutcomeId, PortId, StateId, TransitionId};
 
-/// What runs next after an outcome. The four fields are those of the file, so that a faulty transition is kept as it is;
-/// [`Transition::origin`] and [`Transition::target`] say what they mean.
+/// The successor of an outcome. The four fields are those of the file, so that a faulty transition is preserved;
+/// [`Transition::origin`] and [`Transition::target`] interpret them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transition {
     /// Unique in the container.
@@ -21,7 +21,7 @@ pub struct Transition {
     pub extra: Extra,
 }
 
-/// Where a transition begins.
+/// Origin of a transition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Origin {
     /// The income of the container.
@@ -30,7 +30,7 @@ pub enum Origin {
     Outcome(StateId, OutcomeId),
 }
 
-/// Where a transition leads.
+/// Target of a transition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Target {
     /// The income of a child.
@@ -69,7 +69,7 @@ impl Transition {
         Self { to_state, to_outcome, ..self }
     }
 
-    /// Where it begins; `None` if the fields contradict each other.
+    /// Its origin; `None` if the fields contradict each other.
     pub fn origin(&self) -> Option<Origin> {
         match (&self.from_state, self.from_outcome) {
             (None, None) => Some(Origin::Income),
@@ -78,7 +78,7 @@ impl Transition {
         }
     }
 
-    /// Where it leads in the container with the id `container`; `None` if the fields contradict each other.
+    /// Its target in the container with the id `container`; `None` if the fields contradict each other.
     pub fn target(&self, container: &StateId) -> Option<Target> {
         match (&self.to_state, self.to_outcome) {
             (Some(state), Some(outcome)) if state == container => Some(Target::Outcome(outcome)),

@@ -51,7 +51,7 @@ pub fn convert_runtime_value(value: &Value, data_type: &DataType) -> Conversion 
     }
 }
 
-/// Whether a value other than a text has the type; `None` if only Python can tell.
+/// True if a value other than a text has the type; `None` if only Python knows.
 fn fits(value: &Value, data_type: &DataType) -> Option<bool> {
     let any = matches!(data_type, DataType::Object | DataType::None);
     match value {
@@ -105,7 +105,7 @@ fn not_a_literal(text: &str, error: &LiteralError) -> Conversion {
     Conversion::Fails(format_smolstr!("{text:?} is not a Python literal ({error})"))
 }
 
-/// Whether the literal is true in Python.
+/// Truth value of the literal in Python.
 fn truth(text: &str) -> Conversion {
     let value = match literal::parse(text) {
         Ok(value) => value,

@@ -21,7 +21,7 @@ impl StateId {
         &self.0
     }
 
-    /// Whether this is the decider of a barrier.
+    /// True for the decider of a barrier.
     pub fn is_decider(&self) -> bool {
         self.0 == DECIDER_ID
     }
@@ -96,7 +96,7 @@ impl OutcomeId {
     /// Every state has this outcome: it was preempted.
     pub const PREEMPTED: Self = Self(-2);
 
-    /// Whether this is one of the two outcomes that every state has.
+    /// True for *aborted* and *preempted*, which every state has.
     pub fn is_mandatory(self) -> bool {
         self == Self::ABORTED || self == Self::PREEMPTED
     }

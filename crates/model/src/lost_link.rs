@@ -1,4 +1,4 @@
-//! What a state does when nobody on the ground is heard any more, as its semantic data says (`docs/semantics.md`, Lost link).
+//! The policy of a state for a lost link, from its semantic data (`docs/semantics.md`, Lost link).
 //! Knows how that is written; knows nothing of a clock.
 
 use crate::{Json, State};
@@ -6,7 +6,7 @@ use crate::{Json, State};
 /// A year is as good as for ever, and fits every clock.
 const SECONDS_MAX: f64 = 365.0 * 86_400.0;
 
-/// What is measured.
+/// The silence that the policy measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Loss {
     /// The time since the ground was heard.
@@ -28,7 +28,7 @@ impl Loss {
     }
 }
 
-/// What happens to a state and everything in it after how many ms. Without any of them the state continues, whatever the policy of
+/// Actions on a state and its descendants, with their delays in ms. Without any of them the state continues, whatever the policy of
 /// the state around it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LossPolicy {
@@ -46,7 +46,7 @@ impl LossPolicy {
         Self::read(entry(state, loss)?)
     }
 
-    /// Whether a state has an entry for a policy that is not understood.
+    /// True if a state has an invalid policy.
     pub(crate) fn is_unclear(state: &State, loss: Loss) -> bool {
         entry(state, loss).is_some_and(|json| Self::read(json).is_none())
     }

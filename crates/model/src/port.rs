@@ -109,7 +109,7 @@ impl<T: Element> Elements<T> {
         self.as_slice().len()
     }
 
-    /// Whether it is empty.
+    /// True if there are no ports.
     pub fn is_empty(&self) -> bool {
         self.0.is_none()
     }

@@ -23,7 +23,7 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// How bad it is.
+    /// Severity of the problem.
     pub fn severity(&self) -> Severity {
         self.rule.severity()
     }

@@ -48,9 +48,9 @@ pub enum Kind {
     Decider(Script),
     /// Runs its children in sequence.
     Hierarchy(Container),
-    /// Runs its children at the same time, waits for all, then runs the decider.
+    /// Runs its children concurrently, waits for all, then runs the decider.
     Barrier(Container),
-    /// Runs its children at the same time until the first ends.
+    /// Runs its children concurrently until the first ends.
     Preemptive(Container),
     /// Runs another state machine.
     Library(Library),
@@ -121,7 +121,7 @@ fn push_inside<'s>(a: &'s State, b: &'s State, open: &mut Vec<(&'s State, &'s St
 }
 
 impl Kind {
-    /// Whether both are equal except for children, scripts and the content of a library.
+    /// True if both are equal except for children, scripts and the content of a library.
     pub(crate) fn is_same_shell(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Execution(_), Self::Execution(_)) | (Self::Decider(_), Self::Decider(_)) => true,
@@ -182,7 +182,7 @@ impl State {
         }
     }
 
-    /// Whether both are equal except for their content.
+    /// True if both are equal except for their content.
     fn is_same_alone(&self, other: &Self) -> bool {
         (&self.id, &self.name, &self.description) == (&other.id, &other.name, &other.description)
             && (&self.outcomes, &self.inputs, &self.outputs)
@@ -312,7 +312,7 @@ pub type RuntimeValues = BTreeMap<PortId, RuntimeValue>;
 pub struct RuntimeValue {
     /// The value in the file (like a port's default).
     pub value: Value,
-    /// Whether it is used instead of the port's default.
+    /// True if it replaces the port's default.
     pub used: bool,
 }
 

@@ -39,7 +39,7 @@ impl Transitions {
         self.by_id.len()
     }
 
-    /// Whether it is empty.
+    /// True if there are no transitions.
     pub fn is_empty(&self) -> bool {
         self.by_id.is_empty()
     }

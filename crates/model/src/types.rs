@@ -1,4 +1,4 @@
-//! Data types of ports. Knows Python's built-in types; for any other type, [`Types`] answers.
+//! Data types of ports. Knows Python's built-in types; [`Types`] covers all others.
 
 use crate::{Json, Value};
 use smol_str::{SmolStr, format_smolstr};
@@ -121,13 +121,13 @@ pub enum Answer {
     Yes,
     /// It does not hold.
     No,
-    /// Only Python can tell.
+    /// Only Python knows the answer.
     Unknown,
 }
 
-/// Answers questions about types that the model does not know.
+/// Relations of types that the model does not know.
 pub trait Types {
-    /// Whether `sub` is `base` or inherits from it. Called only for pairs with a type that is not built in.
+    /// True if `sub` is `base` or inherits from it. Called only for pairs with a type that is not built in.
     fn is_subclass(&self, sub: &DataType, base: &DataType) -> Answer;
 }
 
@@ -141,7 +141,7 @@ impl Types for BuiltinTypes {
     }
 }
 
-/// Whether a data flow may lead from a port of type `from` to one of type `to` (`docs/format.md`, data flows): the same
+/// True if a data flow may lead from a port of type `from` to one of type `to` (`docs/format.md`, data flows): the same
 /// type, a subclass, or `object` at either end. `int` does not flow to `float`.
 pub fn may_flow(from: &DataType, to: &DataType, types: &dyn Types) -> Answer {
     if from == to || *from == DataType::Object || *to == DataType::Object {

@@ -61,7 +61,7 @@ impl PartialEq for Value {
     }
 }
 
-/// Whether two floats have the same text: `NaN` is `NaN`, and `-0.0` is not `0.0`.
+/// True if two floats have equal texts: `NaN` is `NaN`, and `-0.0` is not `0.0`.
 pub(crate) fn same_float(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }
@@ -72,7 +72,7 @@ impl Value {
         Self::Str(text.into())
     }
 
-    /// Whether this is `None`.
+    /// True if the value is `None`.
     pub fn is_none(&self) -> bool {
         matches!(self, Self::None)
     }

@@ -159,7 +159,7 @@ impl<'t> Run<'t> {
         Ok(())
     }
 
-    /// How often a rule may be broken at a place.
+    /// Number of permitted violations of a rule at a place.
     fn allowed(&self, known: &Known) -> usize {
         let count = |list: &[Known]| list.iter().filter(|other| *other == known).count();
         count(&self.before).max(count(&self.tolerated))

@@ -1,4 +1,4 @@
-//! Why an edit was refused.
+//! Reasons of refused edits.
 
 use crate::problems::Problem;
 use crate::rules::{Fault, Part, Rule};

@@ -21,7 +21,7 @@ pub struct Step {
     pub set: Set,
 }
 
-/// What a step sets; `None` removes it.
+/// The new value of a step; `None` removes it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Set {
     /// A child of a container.
@@ -203,7 +203,7 @@ fn set_id(machine: &mut Machine, at: &StatePath, id: &StateId) -> Result<Step, E
     Ok(Step { at, set: Set::Id(old) })
 }
 
-/// Whether a child or a connection inside `state` has this id.
+/// True if a child or a connection inside `state` has this id.
 fn mentions(state: &State, id: &StateId) -> bool {
     state.container().is_some_and(|container| {
         container.states.contains_key(id)

@@ -45,7 +45,7 @@ struct Substitution<'m> {
 }
 
 impl Substitution<'_> {
-    /// The outcome of the new state with the same name.
+    /// The outcome with this name of the new state.
     fn outcome(&self, id: OutcomeId) -> Option<OutcomeId> {
         let name = &self.old.outcomes.get(id)?.name;
         self.new.outcomes.by_name(name).map(|outcome| outcome.id)

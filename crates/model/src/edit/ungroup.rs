@@ -60,7 +60,7 @@ struct Ungrouping<'m> {
     ids: BTreeMap<StateId, StateId>,
     /// The same for scoped variables.
     variables: BTreeMap<PortId, PortId>,
-    /// The data flows created so far.
+    /// The data flows that were already created.
     links: BTreeSet<(UngroupEnd, UngroupEnd)>,
     transition_ids: Box<dyn Iterator<Item = TransitionId> + 'm>,
     flow_ids: Box<dyn Iterator<Item = DataFlowId> + 'm>,

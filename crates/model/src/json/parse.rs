@@ -6,7 +6,7 @@ use smol_str::SmolStr;
 /// Deeper nesting than this is refused: it is far beyond any machine and protects the stack.
 pub const MAX_DEPTH: usize = 200;
 
-/// Why a text is not JSON, and where.
+/// A syntax error in JSON, with its position.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {reason}")]
 pub struct ParseError {
@@ -14,7 +14,7 @@ pub struct ParseError {
     pub line: usize,
     /// Counted from 1, in bytes.
     pub column: usize,
-    /// What was found or missing.
+    /// The unexpected or missing element.
     pub reason: &'static str,
 }
 

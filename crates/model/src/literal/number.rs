@@ -52,7 +52,7 @@ pub(super) fn number(parser: &mut LiteralParser<'_>) -> Result<Value, LiteralErr
     Ok(value)
 }
 
-/// The number of bytes that look like one number: letters, digits, points, and a sign after an exponent.
+/// The length of the longest prefix with the form of a number: letters, digits, points, and a sign after an exponent.
 fn extent(rest: &str) -> usize {
     let is_hex = rest.as_bytes().get(1).is_some_and(|b| b.eq_ignore_ascii_case(&b'x'));
     let mut before = b' ';

@@ -6,7 +6,7 @@ use crate::Value;
 /// Deeper nesting is left to Python: it is far beyond any default and protects the stack.
 pub const MAX_DEPTH: usize = 64;
 
-/// Why a text is not a literal.
+/// A syntax error in a literal.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LiteralError {
     /// Not a Python literal.
@@ -14,7 +14,7 @@ pub enum LiteralError {
     Syntax {
         /// The offset in bytes.
         at: usize,
-        /// What was found or missing.
+        /// The unexpected or missing element.
         reason: &'static str,
     },
     /// Only Python can read it: bytes, complex numbers, very deep nesting, escapes by name.

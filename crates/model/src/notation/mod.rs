@@ -61,7 +61,7 @@ const KEYWORDS: &[&str] = &[
     "nowhere",
 ];
 
-/// Whether a name or id needs no quotes.
+/// True if a name or id needs no quotes.
 fn is_bare(text: &str) -> bool {
     let mut bytes = text.bytes();
     bytes.next().is_some_and(|b| b.is_ascii_alphabetic() || b == b'_')
@@ -101,12 +101,12 @@ fn quoted(text: &str) -> String {
     out
 }
 
-/// Whether this byte needs no quotes in a type's name.
+/// True if this byte needs no quotes in the name of a type.
 fn is_type_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')
 }
 
-/// Whether a text written as a block reads back as the same text.
+/// True if a text survives the form of a block.
 fn fits_block(text: &str) -> bool {
     let body = text.strip_suffix('\n').unwrap_or(text);
     let first = body.split('\n').find(|line| !is_blank(line));

@@ -20,7 +20,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Everything: the text reads back as the same machine.
+    /// Everything: parsing the text gives an equal machine.
     pub const ALL: Self = Self { layout: true, scripts: true, contents: true };
     /// For people: without layout, scripts and the content of libraries.
     pub const OUTLINE: Self = Self { layout: false, scripts: false, contents: false };

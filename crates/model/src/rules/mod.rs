@@ -16,7 +16,7 @@ pub use state::MAX_NESTING;
 
 use std::fmt;
 
-/// How bad a broken rule is.
+/// Severity of a broken rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
     /// The machine does not work as it is drawn.
@@ -87,9 +87,9 @@ rules! {
     Nesting: Error, "put the inner part into a library or remove levels";
     /// Semantic data is a dictionary.
     SemanticData: Error, "put the data under a key";
-    /// A lost-link policy says what happens after how many seconds.
+    /// A lost-link policy contains actions with their delays in seconds.
     LostLink: Note, "write the text continue, or seconds under finish_s, hold_s or recover_s; it is ignored until then";
-    /// What a lost-link policy preempts has a way to go on.
+    /// A state that a lost-link policy preempts has a transition from *preempted*.
     LostLinkRecovery: Note, "lead the outcome preempted to the state that recovers";
     /// A state whose policy pauses behind it ends by itself.
     LostLinkFinish: Note, "set hold_s or recover_s on the state, or finish_s on the states in it";
@@ -209,7 +209,7 @@ rules! {
 }
 
 impl Rule {
-    /// Whether an edit that breaks this rule is refused. A machine may have no start while it is drawn, and a library may be
+    /// True if an edit that breaks this rule is refused. A machine may have no start while it is drawn, and a library may be
     /// missing temporarily. A container is empty before its first state is added.
     pub fn refuses_edits(self) -> bool {
         let is_allowed =

@@ -41,7 +41,7 @@ fn origin_fault(state: &State, container: &Container, transition: &Transition) -
     missing.then(|| Fault::new(Rule::OriginOutcome, what()))
 }
 
-/// Another transition that begins at the same place.
+/// Another transition with this origin.
 fn twin_fault(state: &State, container: &Container, transition: &Transition) -> Option<Fault> {
     let origin = transition.origin()?;
     let other = container.transitions.from(&origin).find(|other| other.id != transition.id)?;
