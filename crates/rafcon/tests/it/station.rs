@@ -46,7 +46,12 @@ pub(crate) fn pair(place: &Place, name: &str) {
 
 /// Makes a pairing at the robot, with these words, and pastes it at the station with this state.
 pub(crate) fn pair_with(place: &Place, words: &str, station: &str) {
-    let made = place.call(&format!("pair {words} --state robot"));
+    pair_of(place, "robot", words, station);
+}
+
+/// The same at the robot with this state.
+pub(crate) fn pair_of(place: &Place, state: &str, words: &str, station: &str) {
+    let made = place.call(&format!("pair {words} --state {state}"));
     assert_eq!(made.code, Some(0), "{}", made.stderr);
     let mut paste = place.command(&format!("pair --paste --state {station}"));
     let mut paste = paste.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
@@ -108,16 +113,21 @@ pub(crate) fn robot(place: &Place, station: SocketAddr) -> Program {
 
 /// The same over a link of this profile.
 pub(crate) fn robot_over(place: &Place, station: SocketAddr, link: &str) -> Program {
-    begin_robot(place, &format!("--station udp://{station}"), link)
+    begin_robot(place, "robot", &format!("--station udp://{station}"), link)
 }
 
 pub(crate) fn robot_with(place: &Place, stations: &str) -> Program {
-    begin_robot(place, stations, "lan")
+    begin_robot(place, "robot", stations, "lan")
 }
 
-fn begin_robot(place: &Place, stations: &str, link: &str) -> Program {
+/// A robot with this state, and its runs beside it.
+pub(crate) fn robot_of(place: &Place, state: &str, station: SocketAddr) -> Program {
+    begin_robot(place, state, &format!("--station udp://{station}"), "lan")
+}
+
+fn begin_robot(place: &Place, state: &str, stations: &str, link: &str) -> Program {
     let words = format!(
-        "serve --state robot --runs robot-runs --bind 127.0.0.1:0 --link {link} {stations}"
+        "serve --state {state} --runs {state}-runs --bind 127.0.0.1:0 --link {link} {stations}"
     );
     let mut robot = place.command(&words);
     Program::new(robot.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
@@ -610,15 +620,8 @@ fn a_robot_that_is_paired_while_the_station_runs_is_received_at_once() {
     let place = Place::with(&ticks(1_000_000));
     pair(&place, "scout");
     let (_ground, address) = station(&place, "127.0.0.1:0");
-    let made = place.call("pair rover --state rover");
-    std::fs::write(place.path("line"), &made.stdout).unwrap();
-    let mut paste = place.command("pair --paste --state ground");
-    let line = std::fs::File::open(place.path("line")).unwrap();
-    assert!(paste.stdin(line).stdout(Stdio::null()).status().unwrap().success());
-    let serve = format!(
-        "serve --state rover --runs rover-runs --bind 127.0.0.1:0 --link lan --station udp://{address}"
-    );
-    let _rover = Program::new(place.command(&serve).stdout(Stdio::piped()).spawn().unwrap());
+    pair_of(&place, "rover", "rover", "ground");
+    let _rover = robot_of(&place, "rover", address);
     let run = Run::start(&place, "--runs rover-runs");
     wait_at_station(&place, "Ticks  running");
     drop(place.call("tell last stop --runs rover-runs"));
