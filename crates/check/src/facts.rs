@@ -59,7 +59,7 @@ pub enum FactsError {
     Count {
         /// Number of scripts in the request.
         asked: usize,
-        /// Number of received answers.
+        /// Number of scripts in the output.
         answered: usize,
     },
 }

@@ -8,12 +8,17 @@ use rafcon_storage::journal::{JournalError, folder::replace_file, make_folder};
 use rustix::rand::{GetRandomFlags, getrandom};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Duration;
 
 /// Name of the file in the robot's folder at its station.
 const LIST_FILE: &str = "commands.json";
+/// Attempts to lock the list, and the interval between them. A change takes milliseconds.
+const LOCK_ATTEMPTS_MAX: u32 = 40;
+const LOCK_EVERY: Duration = Duration::from_millis(50);
 
 /// The file with the command list of one robot.
 #[derive(Debug, Clone)]
@@ -49,6 +54,11 @@ pub enum CommandListFileError {
         /// Error of the disk.
         source: io::Error,
     },
+    /// Another program holds the lock for too long.
+    #[error(
+        "the commands are not stored, because another program is changing the list: end it, or try again"
+    )]
+    Busy,
     /// Another user or program has set or released a list since.
     #[error("the list was changed since it was read: nothing was stored; read it again")]
     Changed,
@@ -133,14 +143,23 @@ impl CommandListFile {
         Ok(self.write(list)?)
     }
 
-    /// Waits until no other program changes the list. The lock ends with the returned file.
+    /// Waits until no other program changes the list, but not for one that hangs. The lock ends with the returned file.
+    #[expect(clippy::disallowed_methods, reason = "no event reports that a file is unlocked")]
     fn lock(&self) -> Result<File, CommandListFileError> {
         let path = self.0.with_extension("lock");
         if let Some(folder) = self.0.parent() {
             make_folder(folder)?;
         }
-        let lock = File::create(&path).and_then(|file| file.lock().map(|()| file));
-        lock.map_err(|source| CommandListFileError::NotLocked { path, source })
+        let not_locked = |source| CommandListFileError::NotLocked { path: path.clone(), source };
+        let file = File::create(&path).map_err(not_locked)?;
+        for _attempt in 0..LOCK_ATTEMPTS_MAX {
+            match file.try_lock() {
+                Ok(()) => return Ok(file),
+                Err(TryLockError::WouldBlock) => thread::sleep(LOCK_EVERY),
+                Err(TryLockError::Error(source)) => return Err(not_locked(source)),
+            }
+        }
+        Err(CommandListFileError::Busy)
     }
 
     fn write(&self, list: &StoredList) -> Result<(), JournalError> {
@@ -255,7 +274,6 @@ mod tests {
     use super::*;
     use rafcon_protocol::Command;
     use std::os::unix::fs::PermissionsExt as _;
-    use std::thread;
 
     fn commands() -> Vec<ListedCommand> {
         let run = "r".to_owned();
@@ -303,6 +321,18 @@ mod tests {
         assert!(!file.read().unwrap().is_released());
         let late = file.set(Vec::new(), Some(&revision)).unwrap_err();
         assert!(matches!(late, CommandListFileError::Changed), "{late}");
+    }
+
+    #[test]
+    fn a_program_that_hangs_with_the_lock_holds_up_no_other_for_ever() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = CommandListFile::in_folder(folder.path());
+        let held = file.lock().unwrap();
+        let refused = file.set(commands(), None).unwrap_err();
+        assert!(matches!(refused, CommandListFileError::Busy), "{refused}");
+        assert_eq!(file.read().unwrap(), StoredList::default());
+        drop(held);
+        file.set(commands(), None).unwrap();
     }
 
     #[test]

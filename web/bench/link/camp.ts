@@ -140,7 +140,7 @@ export class Camp {
   }
 }
 
-/** A mission of so many states without an end, in which so many of them change in a second. */
+/** An endless mission with this number of states, and this number of changes a second. */
 export function newMission(folder: string, rate: number, states = 800): void {
   const words = ["new", "--template", "mission", "--states", String(states), folder];
   const made = spawnSync(binary(), words);

@@ -81,7 +81,7 @@ pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
     }
 }
 
-/// Whether a process writes the run: a replica that no station receives may continue far away.
+/// True if a process writes the run. A replica without a station has none, although its run may continue.
 async fn look_for_writer(run: &Run) -> bool {
     let folder = run.folder().to_path_buf();
     let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;

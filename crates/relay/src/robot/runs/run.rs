@@ -103,7 +103,7 @@ impl RobotRun {
     }
 
     /// Adds the machines that the run has kept since. They come in parcels, until they are very large together: then the run brings
-    /// them itself. So each start of the robot sends the same parts.
+    /// them itself. Each start of the robot therefore sends identical parts.
     pub(super) fn look_for_machines(
         &mut self,
         session: &mut RobotSession,

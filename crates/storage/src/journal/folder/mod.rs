@@ -42,7 +42,7 @@ pub const LOCK_FILE: &str = "lock";
 pub const SOCKET_FILE: &str = "socket";
 /// Of a replica that has another history than the run at its robot: why, and the way out, as text.
 pub const DIVERGED_FILE: &str = "diverged";
-/// Of a replica whose runner ended on the robot before the run did, or whose folder was deleted there: an empty file.
+/// An empty file in a replica whose run crashed on the robot, or was deleted there before its end.
 pub const CRASHED_FILE: &str = "crashed";
 
 /// Creates the folder of a run and its parents, accessible to the owner only. The folder may exist.
