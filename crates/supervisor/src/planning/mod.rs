@@ -5,6 +5,7 @@
 //! knows `rafcon-planner`.
 
 mod answer;
+mod descendants;
 mod engine;
 mod found;
 mod pool;

@@ -1,6 +1,7 @@
 //! Engines as processes: each leads a process group of its own, is bounded in time and in what is kept of its output, and is killed
 //! with all that it started when it is done, when its time is up, and when nobody wants a plan any more.
 
+use super::descendants::Descendants;
 use super::engine::{Engine, Lane, PlanRequest};
 use crate::clock;
 use parking_lot::Mutex;
@@ -92,6 +93,7 @@ type Act = Box<dyn FnOnce(&mut Running)>;
 /// A lane that runs.
 struct Running {
     child: Child,
+    descendants: Descendants,
     /// The end of its error output, once that is over.
     said: Option<String>,
     /// What it printed besides plans.
@@ -103,9 +105,10 @@ struct Running {
 }
 
 impl Running {
-    fn new(child: Child) -> Self {
+    fn new(child: Child, descendants: Descendants) -> Self {
         Self {
             child,
+            descendants,
             said: None,
             printed: String::new(),
             wrong: None,
@@ -144,6 +147,7 @@ impl Running {
                 // Gone already: nothing to kill.
                 kill_process_group(group, Signal::KILL).unwrap_or_default();
             }
+            self.descendants.kill();
             self.has_ended = true;
             self.code = self.child.wait().ok().and_then(|status| status.code());
         }
@@ -233,8 +237,8 @@ impl Search<'_> {
     fn start_next(&mut self, sender: &SyncSender<Message>) -> Option<SearchEnd> {
         let (index, lane) = self.lanes.pop_front()?;
         match start(index, &lane, sender) {
-            Ok(child) => {
-                self.running.push((index, Running::new(child)));
+            Ok(running) => {
+                self.running.push((index, running));
                 None
             }
             Err(error) => Some(SearchEnd::Failed(self.engine.missing(&error))),
@@ -329,7 +333,7 @@ impl Search<'_> {
     }
 }
 
-fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<Child> {
+fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<Running> {
     let mut command = Command::new(&lane.program);
     // Its input is a pipe that ends with us: the engine ends with it, even when we are killed.
     command
@@ -338,23 +342,20 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .process_group(0);
-    let mut child = command.spawn()?;
-    let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+    let descendants = Descendants::of(&mut command)?;
+    let mut running = Running::new(command.spawn()?, descendants);
+    let (stdout, stderr) = (running.child.stdout.take(), running.child.stderr.take());
     let tell = sender.clone();
     let started = thread::Builder::new()
         .name("engine".to_owned())
         .spawn(move || read_lines(stdout, index, &tell));
     let tell = sender.clone();
-    let started = started.and_then(|_reads| {
-        thread::Builder::new()
-            .name("engine errors".to_owned())
-            .spawn(move || read_errors(stderr, index, &tell))
-    });
-    if let Err(error) = started {
-        drop(Running::new(child));
-        return Err(error);
-    }
-    Ok(child)
+    // Where a thread does not start, the engine ends with `running`.
+    let _reads = started?;
+    thread::Builder::new()
+        .name("engine errors".to_owned())
+        .spawn(move || read_errors(stderr, index, &tell))?;
+    Ok(running)
 }
 
 /// Passes on lines of plans, and at the end the last bytes of all other output.

@@ -347,9 +347,17 @@ fn what_cannot_be_planned_starts_no_engine() {
 
 #[test]
 fn a_cancelled_engine_is_gone_with_all_that_it_started() {
-    let world = World::new(&format!(
-        "(exec 3>alive; exec tail -f /dev/null) & exec 3>alive; {PLAN}; exec tail -f /dev/null"
-    ));
+    check_gone("(exec 3>alive; exec tail -f /dev/null) &");
+}
+
+#[test]
+fn a_cancelled_engine_is_gone_with_what_left_its_session_and_lost_its_parent() {
+    check_gone("(setsid sh -c 'exec 3>alive; exec tail -f /dev/null' &);");
+}
+
+/// Cancels an engine that has started something in the background.
+fn check_gone(background: &str) {
+    let world = World::new(&format!("{background} exec 3>alive; {PLAN}; exec tail -f /dev/null"));
     let alive = world.folder.path().join("alive");
     assert!(Command::new("mkfifo").arg(&alive).status().unwrap().success());
     thread::scope(|scope| {
@@ -366,6 +374,11 @@ fn a_cancelled_engine_is_gone_with_all_that_it_started() {
         "]]
         .assert_eq(&told(&events));
     });
+}
+
+#[test]
+fn a_search_that_was_cancelled_before_its_begin_starts_no_engine() {
+    let world = World::new(PLAN);
     let cancel = Cancel::default();
     cancel.cancel();
     assert!(matches!(world.plan(&request(), &cancel, &mut |_| ())[..], [PlanEvent::Cancelled(_)]));
