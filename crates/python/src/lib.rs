@@ -9,6 +9,7 @@ mod build_files;
 mod build_run;
 mod build_value;
 mod class;
+mod code_cache;
 mod codes;
 mod condition;
 mod config;

@@ -2,7 +2,10 @@
 
 use pyo3::exceptions::{PyImportError, PySyntaxError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict, PyList};
+use std::fmt::Write as _;
+
+use crate::code_cache::CodeCache;
 
 /// Paths below the package's parent folder, with `/`, and texts.
 static FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/package.rs"));
@@ -13,7 +16,9 @@ type Module = (&'static str, &'static str);
 /// Serves the modules of `rafcon` from memory.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
-pub(crate) struct Importer;
+pub(crate) struct Importer {
+    cache: Option<CodeCache>,
+}
 
 #[pymethods]
 #[expect(clippy::unused_self, reason = "the protocol of importers has methods")]
@@ -62,15 +67,18 @@ impl Importer {
     /// The compiled text of a module.
     fn get_code<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let (path, text) = known(name)?;
-        let compile = py.import("builtins")?.getattr("compile")?;
-        let options = PyDict::new(py);
-        options.set_item("dont_inherit", true)?;
-        compile.call((text, origin(path), "exec"), Some(&options)).map_err(|error| {
-            if error.is_instance_of::<PySyntaxError>(py) {
-                return PyImportError::new_err(format!("{path} does not parse: {error}"));
-            }
-            error
-        })
+        let marshal = py.import("marshal")?;
+        if let Some(kept) = self.cache.as_ref().and_then(|cache| cache.read(name)) {
+            return marshal.call_method1("loads", (PyBytes::new(py, &kept),));
+        }
+        let code = compiled(py, path, text)?;
+        let wants_none: bool = py.import("sys")?.getattr("dont_write_bytecode")?.extract()?;
+        if let Some(cache) = self.cache.as_ref().filter(|_| !wants_none) {
+            let bytes = marshal.call_method1("dumps", (&code,))?;
+            // Without it, the next start takes longer.
+            cache.write(name, bytes.cast::<PyBytes>()?.as_bytes()).unwrap_or_default();
+        }
+        Ok(code)
     }
 
     /// Whether a module is a package.
@@ -82,8 +90,39 @@ impl Importer {
 /// Puts the package before any other of its name.
 pub(crate) fn install(py: Python<'_>) -> PyResult<()> {
     let path = py.import("sys")?.getattr("meta_path")?;
-    path.call_method1("insert", (0, Py::new(py, Importer)?))?;
+    let cache = CodeCache::open(&version(py)?);
+    path.call_method1("insert", (0, Py::new(py, Importer { cache })?))?;
     Ok(())
+}
+
+/// What the compiled modules depend on: the texts, the format of the interpreter and its level of optimization.
+fn version(py: Python<'_>) -> PyResult<String> {
+    let mut hasher = blake3::Hasher::new();
+    for (path, text) in FILES {
+        for part in [path, text] {
+            hasher.update(&part.len().to_le_bytes()).update(part.as_bytes());
+        }
+    }
+    let format: Vec<u8> = py.import("importlib.util")?.getattr("MAGIC_NUMBER")?.extract()?;
+    let level: u8 = py.import("sys")?.getattr("flags")?.getattr("optimize")?.extract()?;
+    let mut name = hasher.finalize().to_hex()[..32].to_owned();
+    for byte in format {
+        write!(name, "-{byte:02x}").unwrap_or_default();
+    }
+    write!(name, "-{level}").unwrap_or_default();
+    Ok(name)
+}
+
+fn compiled<'py>(py: Python<'py>, path: &str, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    let compile = py.import("builtins")?.getattr("compile")?;
+    let options = PyDict::new(py);
+    options.set_item("dont_inherit", true)?;
+    compile.call((text, origin(path), "exec"), Some(&options)).map_err(|error| {
+        if error.is_instance_of::<PySyntaxError>(py) {
+            return PyImportError::new_err(format!("{path} does not parse: {error}"));
+        }
+        error
+    })
 }
 
 fn module(name: &str) -> Option<Module> {

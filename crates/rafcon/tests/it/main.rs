@@ -6,6 +6,7 @@
 
 mod bad_files;
 mod bad_scripts;
+mod code_cache;
 mod commands;
 mod corrupt;
 mod crowd;
