@@ -115,6 +115,8 @@ impl Bench {
     /// The same, kept in `runs` as far as `keep` says.
     pub(super) fn run_kept(&self, machine: &str, keep: &str, runs: &Path) -> Command {
         let mut run = process::command(&self.product.binary);
+        // Users let Python keep compiled modules.
+        run.env_remove("PYTHONDONTWRITEBYTECODE");
         run.arg("run").arg("--python").arg(&self.reference.python);
         run.args(["--keep", keep, "--runs"]).arg(runs).arg(self.machines.join(machine));
         run

@@ -104,7 +104,10 @@ impl Drop for BenchServer {
 }
 
 fn rafcon() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_rafcon"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rafcon"));
+    // Users let Python keep compiled modules.
+    command.env_remove("PYTHONDONTWRITEBYTECODE");
+    command
 }
 
 /// Shows every event of a history until `see` gives something; with it come the frames of other kinds.
