@@ -106,9 +106,9 @@ test("what the pairing of the station does not allow on the robot says how to al
   expect(why(running({ pairing: "observe", phase: "crashed" }), "run.resume-crashed")).toMatch(
     /--rights command/,
   );
-  expect(why(running({ pairing: "observe", phase: "finished" }), "run.start-again")).toMatch(
-    /--rights command/,
-  );
+  const ended = running({ pairing: "observe", phase: "finished" });
+  expect(why(ended, "run.start-again")).toMatch(/--rights command/);
+  expect(why(ended, "run.start-from-history")).toMatch(/--rights command/);
   const commands = running({ pairing: "command" });
   expect(why(commands, "run.pause")).toBeNull();
   expect(why(commands, "run.reload")).toMatch(/only see and command runs.*--rights change/);

@@ -9,7 +9,7 @@ import { type OpenTab, type Page, runOf } from "../store/page/page.ts";
 import { wallTime } from "../store/page/times.ts";
 import { liveRun, runsOfTab } from "../store/run/running.ts";
 import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
-import { cannotWhile, lacks } from "./run_rules.ts";
+import { cannotWhile, lacks, robotRefuses } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 
 const NONE = "no run is shown here: start one, or choose one";
@@ -79,9 +79,10 @@ export const RUN_SHOW: readonly UserCommand[] = [
     detail:
       "Restarts the run at an entry of its history with the data it had then, and pauses there.",
     refusal: (context) => {
-      const phase = context.tab?.run.value?.now.value?.run.phase;
-      return phase === "crashed" || phase === "finished"
-        ? lacks(context.page, "start")
+      const watch = context.tab?.run.value;
+      const phase = watch?.now.value?.run.phase;
+      return watch && (phase === "crashed" || phase === "finished")
+        ? (lacks(context.page, "start") ?? robotRefuses(watch, "start"))
         : cannotWhile(context, ["running", "paused", "stepping"]);
     },
     run: startFromHistory,
