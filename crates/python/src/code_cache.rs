@@ -42,7 +42,7 @@ impl CodeCache {
         is_private(&folder).then_some(Self { folder })
     }
 
-    /// What was written under this name, if it is whole.
+    /// The code of this name; none if it is missing or damaged.
     pub(crate) fn read(&self, name: &str) -> Option<Vec<u8>> {
         let mut bytes = Vec::new();
         File::open(self.folder.join(name)).ok()?.read_to_end(&mut bytes).ok()?;
@@ -66,7 +66,7 @@ impl CodeCache {
     }
 }
 
-/// Where caches of this user are.
+/// The folder for caches of this user.
 fn cache_home() -> Option<PathBuf> {
     let absolute = |path: PathBuf| path.is_absolute().then_some(path);
     let named = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).and_then(absolute);
@@ -76,7 +76,7 @@ fn cache_home() -> Option<PathBuf> {
     })
 }
 
-/// Whether a folder belongs to this user and nobody else can write to it: code from it is executed.
+/// True if a folder belongs to this user and no other user can write to it. Code from it is executed.
 fn is_private(folder: &Path) -> bool {
     fs::symlink_metadata(folder).is_ok_and(|about| {
         about.is_dir()
@@ -85,7 +85,7 @@ fn is_private(folder: &Path) -> bool {
     })
 }
 
-/// Removes versions until so many are left as are kept.
+/// Removes the oldest versions beyond the bound.
 fn remove_oldest(versions: &Path) -> io::Result<()> {
     let mut found = Vec::new();
     for entry in fs::read_dir(versions)? {

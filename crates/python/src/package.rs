@@ -81,7 +81,7 @@ impl Importer {
         Ok(code)
     }
 
-    /// Whether a module is a package.
+    /// True for a package.
     fn is_package(&self, name: &str) -> PyResult<bool> {
         Ok(is_package(known(name)?.0))
     }
@@ -95,7 +95,7 @@ pub(crate) fn install(py: Python<'_>) -> PyResult<()> {
     Ok(())
 }
 
-/// What the compiled modules depend on: the texts, the format of the interpreter and its level of optimization.
+/// A name for all inputs of the compiled modules: their texts, the interpreter's format and its level of optimization.
 fn version(py: Python<'_>) -> PyResult<String> {
     let mut hasher = blake3::Hasher::new();
     for (path, text) in FILES {
@@ -142,7 +142,7 @@ fn is_package(path: &str) -> bool {
     path.ends_with("/__init__.py")
 }
 
-/// What tracebacks show.
+/// The file name in tracebacks, `<rafcon>/core/config.py`.
 fn origin(path: &str) -> String {
     format!("<rafcon>/{}", path.strip_prefix("rafcon/").unwrap_or(path))
 }

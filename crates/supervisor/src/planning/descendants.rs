@@ -10,7 +10,7 @@ use std::process::Command;
 
 /// The variable that an engine and all that it starts have in their environment.
 const VARIABLE: &str = "RAFCON_ENGINE";
-/// Processes that start others while they are killed are looked for so often.
+/// Rounds of a search, because processes can start others while they are killed.
 const ROUNDS_MAX: usize = 20;
 
 /// The descendants of one engine.

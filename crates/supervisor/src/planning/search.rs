@@ -1,5 +1,5 @@
 //! Engines as processes: each leads a process group of its own, is bounded in time and in what is kept of its output, and is killed
-//! with all that it started when it is done, when its time is up, and when nobody wants a plan any more.
+//! with all its descendants when it is done, when its time is over, and when the search is cancelled.
 
 use super::descendants::Descendants;
 use super::engine::{Engine, Lane, PlanRequest};
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 const LINE_MAX: u64 = 8 << 20;
 /// Bytes kept from the end of an engine's output besides plans.
 const SAID_BYTES: usize = 2048;
-/// An engine that does not end by itself is given so much more time than its limit.
+/// Time beyond the limit after which an engine is killed.
 const GRACE: Duration = Duration::from_millis(300);
 const QUEUE: usize = 16;
 
@@ -33,7 +33,7 @@ struct CancelState {
 }
 
 impl Cancel {
-    /// Nobody wants a plan any more: all processes of the engine are killed at once.
+    /// Cancels the search: all processes of the engine are killed at once.
     pub fn cancel(&self) {
         let mut state = self.0.lock();
         state.is_cancelled = true;
@@ -43,7 +43,7 @@ impl Cancel {
         }
     }
 
-    /// Whether it was cancelled.
+    /// True after [`Self::cancel`].
     pub fn is_cancelled(&self) -> bool {
         self.0.lock().is_cancelled
     }
@@ -51,7 +51,7 @@ impl Cancel {
 
 #[derive(Debug)]
 enum Message {
-    /// A line that looks like a plan.
+    /// A line in the form of a plan.
     Line(usize, String),
     /// The output has ended; what was no plan.
     Closed(usize, String),
@@ -60,7 +60,7 @@ enum Message {
     Cancelled,
 }
 
-/// What to do after a plan.
+/// The decision about a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// The search ends.
@@ -73,7 +73,7 @@ pub(super) enum Verdict {
     Unfit(String),
 }
 
-/// How a search ended.
+/// The end of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum SearchEnd {
     /// A plan was enough, or the engine ended after one.
@@ -87,7 +87,7 @@ pub(super) enum SearchEnd {
     Cancelled,
 }
 
-/// What becomes of a lane by a message.
+/// The effect of a message on a lane.
 type Act = Box<dyn FnOnce(&mut Running)>;
 
 /// A lane that runs.
@@ -117,7 +117,7 @@ impl Running {
         }
     }
 
-    /// All that it has said besides plans.
+    /// Its whole output except plans.
     fn words(&self) -> String {
         let said = self.said.as_deref().unwrap_or_default();
         let lines = said.lines().chain(self.printed.lines());
@@ -135,7 +135,7 @@ impl Running {
         self.code == Some(0) && said.trim().is_empty() && self.printed.trim().is_empty()
     }
 
-    /// Whether nothing more comes from it.
+    /// True if no output can follow.
     fn is_over(&self) -> bool {
         self.has_ended && (self.said.is_some() || self.wrong.is_some())
     }
@@ -233,7 +233,7 @@ impl Search<'_> {
         }
     }
 
-    /// Starts the next lane; answers how the search ends if that is impossible.
+    /// Starts the next lane; returns the end of the search if that is impossible.
     fn start_next(&mut self, sender: &SyncSender<Message>) -> Option<SearchEnd> {
         let (index, lane) = self.lanes.pop_front()?;
         match start(index, &lane, sender) {
@@ -245,7 +245,7 @@ impl Search<'_> {
         }
     }
 
-    /// How the search ends by a message, if it does.
+    /// The end of the search, if a message ends it.
     fn take(
         &mut self,
         message: Message,
@@ -294,7 +294,7 @@ impl Search<'_> {
         }
     }
 
-    /// How it ends when all lanes have ended.
+    /// The end of the search after the end of all lanes.
     fn verdict(&self) -> SearchEnd {
         let name = &self.engine.name;
         let lanes = || self.running.iter().map(|(_, running)| running);
@@ -350,7 +350,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
         .name("engine".to_owned())
         .spawn(move || read_lines(stdout, index, &tell));
     let tell = sender.clone();
-    // Where a thread does not start, the engine ends with `running`.
+    // If a thread does not start, `running` is dropped, which kills the engine.
     let _reads = started?;
     thread::Builder::new()
         .name("engine errors".to_owned())
