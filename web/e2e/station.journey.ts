@@ -129,6 +129,17 @@ journey(
     await list.getByText(/: released by .* at /).waitFor();
     await status(app).getByText("paused").waitFor();
     await list.getByText("Pause: applied").waitFor();
+    await list.getByRole("button", { name: "Begin a new list…" }).click();
+    const form = list.getByRole("group", { name: "New command of the list" });
+    await form.getByLabel("Command").selectOption("Resume");
+    await form.getByLabel("Expires").selectOption("At a time (UTC)");
+    await form.getByLabel("Expires at (UTC)").fill(in_ms(600_000));
+    await form.getByRole("button", { name: "Add to the list" }).click();
+    await list.getByText(/^Resume: sent at the release, takes effect in /).waitFor();
+    await release.click();
+    await answer(app, "Release 1 command to scout?", "Release");
+    await list.getByText("Resume: applied").waitFor();
+    await status(app).getByText("running").waitFor();
     await endRun(robot, run);
   },
 );

@@ -21,7 +21,12 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-const ROBOT = { robot: "scout", is_heard: true, commands: [] } as unknown as LinkHealth;
+const ROBOT = {
+  robot: "scout",
+  is_heard: true,
+  commands: [],
+  contact: { begin_ms: NOW_MS + 300_000, end_ms: NOW_MS + 900_000, profile: "deep" },
+} as unknown as LinkHealth;
 
 const PAUSE: ListLine = {
   listed: { run: "drill-1", command: { type: "pause" } },
@@ -61,6 +66,20 @@ async function listed(list: CommandList, options: Options = {}) {
   return { place, requests, press };
 }
 
+/** Enters a value into the field with this label. */
+async function fill(place: HTMLElement, label: string, value: string) {
+  const found = [...place.querySelectorAll("label")].find(
+    ({ textContent }) => textContent === label,
+  );
+  const field = place.querySelector<HTMLInputElement>(`#${CSS.escape(found?.htmlFor ?? "")}`);
+  if (field === null) throw new Error(`there is no field ${label}`);
+  const prototype = Object.getPrototypeOf(field);
+  Object.getOwnPropertyDescriptor(prototype, "value")?.set?.call(field, value);
+  const event = field.tagName === "SELECT" ? "change" : "input";
+  field.dispatchEvent(new Event(event, { bubbles: true }));
+  await settled();
+}
+
 function nameOf(button: HTMLElement): string {
   return button.getAttribute("aria-label") ?? button.textContent ?? "";
 }
@@ -71,9 +90,58 @@ function said(place: HTMLElement): readonly string[] {
   );
 }
 
-test("an empty list is not shown", async () => {
+test("an empty list is a button only", async () => {
   const { place } = await listed({ revision: "7", lines: [] });
-  expect(place.textContent).toBe("");
+  expect(place.textContent).toBe("Add a timed command…");
+});
+
+test("a command is added to the list with its times", async () => {
+  const serve = (): CommandList => ({ revision: "8", lines: [STOP, PAUSE] });
+  const { place, requests, press } = await listed({ revision: "7", lines: [STOP] }, { serve });
+  await press("Add a command…");
+  await fill(place, "Command", "resume");
+  await fill(place, "Takes effect", "contact");
+  await press("Add to the list");
+  expect(place.querySelector("[role=alert]")?.textContent).toBe(
+    "Takes effect: enter seconds after the begin of the contact, such as 30",
+  );
+  expect(requests).toEqual(["GET /robots/scout/commands"]);
+  await fill(place, "Takes effect, seconds after the begin", "30");
+  await fill(place, "Expires", "utc");
+  await fill(place, "Expires at (UTC)", "2026-11-28 12:10:00");
+  await press("Add to the list");
+  const resume = {
+    run: "drill-1",
+    command: { type: "resume", branch: null },
+    not_before: { contact: "2026-11-28T12:05:00Z", after_s: 30 },
+    expiry: "2026-11-28T12:10:00Z",
+  };
+  expect(requests.at(-1)).toBe(
+    `PUT /robots/scout/commands?revision=7 ${JSON.stringify([STOP.listed, resume])}`,
+  );
+  expect(place.querySelector(".command-list-entry")).toBeNull();
+});
+
+test("after a refusal the form keeps what was entered", async () => {
+  const serve = (): CommandList => {
+    throw new RefusalError({ code: "command_list_changed", message: "it was changed" }, 409);
+  };
+  const { place, press } = await listed({ revision: "7", lines: [] }, { serve });
+  await press("Add a timed command…");
+  await fill(place, "Command", "json");
+  await fill(place, "Command as JSON", '{"type": "step_mode"}');
+  await press("Add to the list");
+  expect(place.querySelector("textarea")?.value).toBe('{"type": "step_mode"}');
+});
+
+test("a command after a release begins a new list", async () => {
+  const released = { at_ms: NOW_MS, user: "ana" };
+  const { requests, press } = await listed({ revision: "7", released, lines: [STOP] });
+  await press("Begin a new list…");
+  await press("Add to the list");
+  expect(requests.at(-1)).toBe(
+    `PUT /robots/scout/commands?revision=7 ${JSON.stringify([PAUSE.listed])}`,
+  );
 });
 
 test("each command has its times, and its fault if it has one", async () => {
@@ -85,7 +153,7 @@ test("each command has its times, and its fault if it has one", async () => {
     "Stop, run other: sent at the release, time of effect unknown",
     "its time is past: choose a later one",
   ]);
-  const release = [...place.querySelectorAll("button")].at(-1);
+  const release = [...place.querySelectorAll("button")].at(-2);
   expect(release?.title).toBe("nothing is sent while a command has a fault");
 });
 
@@ -127,7 +195,10 @@ test("the reviewed revision is released after a question, and the fates are show
     "Pause: the robot has it, takes effect in 1:02, at 12:01:02 UTC",
     "Stop, run other: unknown whether it was carried out: it is over",
   ]);
-  expect([...place.querySelectorAll("button")].map(nameOf)).toEqual(["Release again…"]);
+  expect([...place.querySelectorAll("button")].map(nameOf)).toEqual([
+    "Release again…",
+    "Begin a new list…",
+  ]);
 });
 
 test("a refused release is reported, and the list is requested again", async () => {
@@ -152,6 +223,7 @@ test("without the right of the user or of the pairing, the buttons say why", asy
   const viewer =
     "only operators, engineers and admins may command runs: ask an admin for the role operator";
   expect(await reasons({ rights: ["observe"] })).toEqual([
+    ["true", viewer],
     ["true", viewer],
     ["true", viewer],
   ]);

@@ -3,12 +3,18 @@
 import { Send, Trash2 } from "lucide-react";
 import { useCallback, useEffect, useState } from "react";
 import { lacks, robotRefuses } from "../../commands/run_rules.ts";
-import type { CommandList, LinkHealth, ListLine } from "../../model/generated/protocol.ts";
+import type {
+  CommandList,
+  LinkHealth,
+  ListedCommand,
+  ListLine,
+} from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { RefusalError } from "../../store/page/server.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
+import { AddCommand } from "./add_command.tsx";
 import { lineInWords, listInWords, stateInWords } from "./command_list_words.ts";
 import "./command_list.css";
 
@@ -28,8 +34,23 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
     () => lacks(page, "command") ?? robotRefuses(watch, "command"),
     [page, watch],
   );
-  if (list === null || list.lines.length === 0) return null;
+  if (list === null) return null;
   const { revision, released, lines } = list;
+  const set = (commands: readonly ListedCommand[]) =>
+    ask("PUT", `?revision=${encodeURIComponent(revision)}`, commands);
+  // Commands of a released list were sent: a further command begins a new list.
+  const kept = released === undefined ? lines.map(({ listed }) => listed) : [];
+  const adding = (
+    <AddCommand
+      run={watch.id}
+      robot={robot}
+      label={addLabel(list)}
+      refusal={refusal}
+      now_ms={now_ms}
+      onAdd={(command) => set([...kept, command])}
+    />
+  );
+  if (lines.length === 0) return <div className="command-list">{adding}</div>;
   const faulty = lines.filter((line) => line.fault !== undefined).length;
   const why =
     refusal ??
@@ -46,14 +67,7 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
     });
     if (isSure) await ask("POST", "/release", { revision });
   };
-  const remove = (index: number) => {
-    const left = lines.filter((_, other) => other !== index);
-    return ask(
-      "PUT",
-      `?revision=${encodeURIComponent(revision)}`,
-      left.map((line) => line.listed),
-    );
-  };
+  const remove = (index: number) => set(kept.filter((_, other) => other !== index));
   return (
     <div className="command-list" role="group" aria-label={`Command list of ${robot.robot}`}>
       <p>
@@ -78,22 +92,25 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
           </li>
         ))}
       </ol>
-      <Button
-        icon={<Send size={16} aria-hidden />}
-        disabled={why !== null}
-        title={why ?? "Sends all commands of the list, or none"}
-        onClick={() => void release()}
-      >
-        {released === undefined ? "Release…" : "Release again…"}
-      </Button>
+      <div className="command-list-buttons">
+        <Button
+          icon={<Send size={16} aria-hidden />}
+          disabled={why !== null}
+          title={why ?? "Sends all commands of the list, or none"}
+          onClick={() => void release()}
+        >
+          {released === undefined ? "Release…" : "Release again…"}
+        </Button>
+        {adding}
+      </div>
     </div>
   );
 }
 
 interface ListOfRobot {
   readonly list: CommandList | null;
-  /** Changes or releases the list; a refusal is shown, and the list is requested again. */
-  readonly ask: (method: "POST" | "PUT", what: string, body: unknown) => Promise<void>;
+  /** Changes or releases the list. After a refusal, which is shown, it requests the list again and returns false. */
+  readonly ask: (method: "POST" | "PUT", what: string, body: unknown) => Promise<boolean>;
 }
 
 /** The list, requested again when the link, the plan of contacts or a command changes. */
@@ -117,10 +134,12 @@ function useCommandList(robot: LinkHealth, now_ms: number): ListOfRobot {
   const ask = async (method: "POST" | "PUT", what: string, body: unknown) => {
     try {
       setList(await request<CommandList>(method, `${path}${what}`, body));
+      return true;
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
       page.tell({ level: "error", text: error.message });
       await load();
+      return false;
     }
   };
   return { list, ask };
@@ -128,6 +147,11 @@ function useCommandList(robot: LinkHealth, now_ms: number): ListOfRobot {
 
 function isUnknown({ fate }: ListLine): boolean {
   return fate?.fate === "answered" && fate.answer.answer === "unknown";
+}
+
+function addLabel({ released, lines }: CommandList): string {
+  if (lines.length === 0) return "Add a timed command…";
+  return released === undefined ? "Add a command…" : "Begin a new list…";
 }
 
 function counted(count: number): string {

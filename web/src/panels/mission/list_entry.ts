@@ -1,0 +1,98 @@
+/** A command of a list as an operator enters it: a kind of command, the time of its effect and its expiry. */
+
+import type { Command, ListedCommand, ListTime } from "../../model/generated/protocol.ts";
+
+/** Commands that need no further value, and one that is written as JSON. */
+export const ENTRY_KINDS = [
+  { value: "pause", title: "Pause" },
+  { value: "resume", title: "Resume" },
+  { value: "stop", title: "Stop" },
+  { value: "kill", title: "Kill" },
+  { value: "json", title: "Other, as JSON" },
+] as const;
+
+export type EntryKind = (typeof ENTRY_KINDS)[number]["value"];
+
+export type EntryTime = "none" | "utc" | "contact";
+
+/** The fields of the form. */
+export interface ListEntry {
+  readonly kind: EntryKind;
+  /** The command, for the kind `json`. */
+  readonly json: string;
+  readonly effect: EntryTime;
+  /** A time in UTC, or seconds after the begin of the contact. */
+  readonly effectText: string;
+  readonly expiry: EntryTime;
+  readonly expiryText: string;
+}
+
+export const EMPTY_ENTRY: ListEntry = {
+  kind: "pause",
+  json: "",
+  effect: "none",
+  effectText: "",
+  expiry: "none",
+  expiryText: "",
+};
+
+/** The command for the list of a robot, or the fault of the form. The station checks everything else. */
+export function listedCommand(
+  entry: ListEntry,
+  run: string,
+  contact_ms: number | undefined,
+): ListedCommand | { readonly fault: string } {
+  const command = commandOf(entry);
+  if (typeof command === "string") return { fault: command };
+  const not_before = timeOf(entry.effect, entry.effectText, contact_ms);
+  if (not_before && "fault" in not_before) return { fault: `Takes effect: ${not_before.fault}` };
+  const expiry = timeOf(entry.expiry, entry.expiryText, contact_ms);
+  if (expiry && "fault" in expiry) return { fault: `Expires: ${expiry.fault}` };
+  return {
+    run,
+    command,
+    ...(not_before && { not_before: not_before.time }),
+    ...(expiry && { expiry: expiry.time }),
+  };
+}
+
+/** The command, or what is wrong with it. */
+function commandOf({ kind, json }: ListEntry): Command | string {
+  if (kind === "resume") return { type: "resume", branch: null };
+  if (kind !== "json") return { type: kind };
+  try {
+    const value: unknown = JSON.parse(json);
+    if (typeof value === "object" && value !== null && "type" in value) return value as Command;
+  } catch {
+    // The reason of the parser names positions of a text that is short.
+  }
+  return 'Command: write an object with a type, such as {"type": "step_mode"}';
+}
+
+/** Null if there is none. */
+function timeOf(
+  kind: EntryTime,
+  text: string,
+  contact_ms: number | undefined,
+): { readonly time: ListTime } | { readonly fault: string } | null {
+  if (kind === "none") return null;
+  if (kind === "contact") {
+    const after_s = Number(text);
+    if (contact_ms === undefined) return { fault: "no contact is planned" };
+    const isNumber = text.trim() !== "" && Number.isFinite(after_s) && after_s >= 0;
+    return isNumber
+      ? { time: { contact: utcText(contact_ms), after_s } }
+      : { fault: "enter seconds after the begin of the contact, such as 30" };
+  }
+  const at_ms = /^\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?Z?$/.test(text.trim())
+    ? Date.parse(`${text.trim().replace(" ", "T").replace("Z", "")}Z`)
+    : Number.NaN;
+  return Number.isNaN(at_ms)
+    ? { fault: "enter a time in UTC, such as 2026-11-28 14:10:00" }
+    : { time: utcText(at_ms) };
+}
+
+/** `2026-11-28T14:10:00Z`, with milliseconds if there are any. */
+function utcText(at_ms: number): string {
+  return new Date(at_ms).toISOString().replace(".000Z", "Z");
+}
