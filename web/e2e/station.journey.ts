@@ -144,6 +144,32 @@ journey(
   },
 );
 
+journey("mission control plans a contact with a robot", HERE, async ({ app, server, robot }) => {
+  const run = await startRun(robot, "drives");
+  await untilRun(server, run, ({ phase }) => phase === "live");
+  await openMission(app, "drives");
+  await missionOf(app).getByRole("button", { name: "Plan contacts" }).click();
+  const plan = missionOf(app).getByRole("group", { name: "Planned contacts with scout" });
+  const add = plan.getByRole("button", { name: "Add contact" });
+  await plan.getByLabel("Begin (UTC)").fill("2099-01-01 10:00");
+  await plan.getByLabel("End (UTC)").fill("2099-01-01 09:00");
+  await plan.getByLabel("Link profile").selectOption("deep");
+  await plan.getByLabel("Note").fill("Kiruna");
+  await add.click();
+  await app.told(/end/);
+  await plan.getByLabel("End (UTC)").fill("2099-01-01 10:20");
+  await add.click();
+  await plan
+    .getByText(/^2099-01-01 10:00:00 UTC to .*10:20:00 UTC, profile deep, Kiruna$/)
+    .waitFor();
+  await missionOf(app)
+    .getByText(/^in .*, 2099-01-01 10:00:00 UTC to .*deep, Kiruna$/)
+    .waitFor();
+  await plan.getByRole("button", { name: /^Remove the contact/ }).click();
+  await missionOf(app).getByText("no contact planned").waitFor();
+  await endRun(robot, run);
+});
+
 journey(
   "a run whose program died far away is resumed by mission control",
   HERE,

@@ -1,6 +1,7 @@
 /** A command of a list as an operator enters it: a kind of command, the time of its effect and its expiry. */
 
 import type { Command, ListedCommand, ListTime } from "../../model/generated/protocol.ts";
+import { UTC_HINT, utcEntered, utcText } from "./utc_entry.ts";
 
 /** Commands that need no further value, and one that is written as JSON. */
 export const ENTRY_KINDS = [
@@ -84,15 +85,6 @@ function timeOf(
       ? { time: { contact: utcText(contact_ms), after_s } }
       : { fault: "enter seconds after the begin of the contact, such as 30" };
   }
-  const at_ms = /^\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?Z?$/.test(text.trim())
-    ? Date.parse(`${text.trim().replace(" ", "T").replace("Z", "")}Z`)
-    : Number.NaN;
-  return Number.isNaN(at_ms)
-    ? { fault: "enter a time in UTC, such as 2026-11-28 14:10:00" }
-    : { time: utcText(at_ms) };
-}
-
-/** `2026-11-28T14:10:00Z`, with milliseconds if there are any. */
-function utcText(at_ms: number): string {
-  return new Date(at_ms).toISOString().replace(".000Z", "Z");
+  const at_ms = utcEntered(text);
+  return at_ms === null ? { fault: UTC_HINT } : { time: utcText(at_ms) };
 }

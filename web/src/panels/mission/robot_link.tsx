@@ -1,10 +1,12 @@
 /** How the link to a robot far away is, as large as how its run stands. What cannot be known without an up-link is said. */
 
-import { Radio, RadioTower } from "lucide-react";
+import { CalendarClock, Radio, RadioTower } from "lucide-react";
+import { useState } from "react";
 import { untilContact_ms, waitForContact_ms } from "../../model/contact_wait.ts";
 import type { ClockOffset, LinkHealth, LinkRights } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { isGoingOn } from "../../store/run/age.ts";
+import { IconButton } from "../../ui/button.tsx";
 import { onDemand } from "../../ui/on_demand.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
@@ -12,6 +14,10 @@ import { duration } from "../parts/duration.ts";
 import { commandsInWords, contactInWords } from "./planned_contact.ts";
 import "./robot_link.css";
 
+/** Name of the fact about the contact. */
+const CONTACT = "planned contact";
+
+const ContactPlan = onDemand(async () => (await import("./contact_plan.tsx")).ContactPlan);
 const CommandList = onDemand(async () => (await import("./command_list.tsx")).CommandListPart);
 
 export function RobotLink({ watch }: { readonly watch: Watch }) {
@@ -22,6 +28,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
     return now && isGoingOn(now) ? (now.robot ?? null) : null;
   }, [watch]);
   const pulse = useSignal(page.server.pulse);
+  const [showsPlan, setShowsPlan] = useState(false);
   if (robot === null) return null;
   // Silence of the server is no silence of the robot.
   const now_ms = pulse?.server_ms ?? 0;
@@ -39,7 +46,16 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
         {facts(robot, now_ms).map(([name, value, why]) => (
           <div key={name} title={why}>
             <dt>{name}</dt>
-            <dd>{value}</dd>
+            <dd>
+              {value}
+              {name === CONTACT && !showsPlan && (
+                <IconButton
+                  label="Plan contacts"
+                  icon={<CalendarClock size={16} />}
+                  onClick={() => setShowsPlan(true)}
+                />
+              )}
+            </dd>
           </div>
         ))}
       </dl>
@@ -49,6 +65,9 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
             <li key={robot.commands[index]?.id}>{words}</li>
           ))}
         </ul>
+      )}
+      {showsPlan && (
+        <ContactPlan robot={robot.robot} now_ms={now_ms} onClose={() => setShowsPlan(false)} />
       )}
       <CommandList watch={watch} robot={robot} now_ms={now_ms} />
     </section>
@@ -162,7 +181,7 @@ function planned(robot: LinkHealth, now_ms: number): Fact {
   const why =
     robot.contacts_problem ??
     "The open contact of the plan, or else the next one; the station sends outside of contacts, too";
-  return ["planned contact", contactInWords(robot, now_ms), why];
+  return [CONTACT, contactInWords(robot, now_ms), why];
 }
 
 function next(robot: LinkHealth): Fact {
