@@ -20,6 +20,8 @@ import "./command_list.css";
 
 /** Times and faults change without a message of the server: the list is requested again after this time. */
 const REFRESH_MS = 30_000;
+/** The same while the fate of a command is open. */
+const OPEN_REFRESH_MS = 2_000;
 
 export interface CommandListProps {
   readonly watch: Watch;
@@ -128,7 +130,9 @@ function useCommandList(robot: LinkHealth, now_ms: number): ListOfRobot {
     }
   }, [request, path]);
   const stages = robot.commands.map(({ id, stage }) => `${id} ${stage}`).join();
-  const changes = `${robot.is_heard} ${robot.contact?.begin_ms} ${robot.round_trip_ms === null} ${stages} ${Math.floor(now_ms / REFRESH_MS)}`;
+  const isOpen = list?.lines.some(({ fate }) => fate?.fate === "open") ?? false;
+  const refresh_ms = isOpen ? OPEN_REFRESH_MS : REFRESH_MS;
+  const changes = `${robot.is_heard} ${robot.contact?.begin_ms} ${robot.round_trip_ms === null} ${stages} ${Math.floor(now_ms / refresh_ms)}`;
   // biome-ignore lint/correctness/useExhaustiveDependencies: a change of these asks for the list again
   useEffect(() => void load(), [load, changes]);
   const ask = async (method: "POST" | "PUT", what: string, body: unknown) => {

@@ -69,7 +69,7 @@ test("contacts that are not over are shown", async () => {
 });
 
 test("a contact is added in its order", async () => {
-  const { stored, press, fill, lines } = await planned([KIRUNA]);
+  const { place, stored, press, fill, lines } = await planned([KIRUNA]);
   await fill("Begin (UTC)", "2026-11-28 13:00");
   await fill("End (UTC)", "2026-11-28 13:10");
   await fill("Link profile", "wifi");
@@ -77,6 +77,7 @@ test("a contact is added in its order", async () => {
   const added = { begin: "2026-11-28T13:00:00Z", end: "2026-11-28T13:10:00Z", profile: "wifi" };
   expect(stored.plan).toEqual([added, KIRUNA]);
   await settled();
+  expect([...place.querySelectorAll("input")].map(({ value }) => value)).toEqual(["", "", ""]);
   expect(lines()[0]).toBe("13:00:00 UTC to 13:10:00 UTC, profile wifi");
 });
 

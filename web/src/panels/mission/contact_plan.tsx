@@ -35,6 +35,8 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
   const { page } = useHost().context();
   const { windows, change } = useContacts(robot);
   const [entry, setEntry] = useState(EMPTY);
+  // Fields keep what was typed: after an addition they are new ones.
+  const [additions, setAdditions] = useState(0);
   const [fault, setFault] = useState<string | null>(null);
   const refusal = useComputed(() => lacks(page, "command"), [page]);
   if (windows === null) return null;
@@ -56,7 +58,9 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
       ...(note !== "" && { note }),
     };
     const all = [...coming, added].sort((a, b) => Date.parse(a.begin) - Date.parse(b.begin));
-    if (await change(windows, all)) setEntry(EMPTY);
+    if (!(await change(windows, all))) return;
+    setEntry(EMPTY);
+    setAdditions(additions + 1);
   };
   return (
     <div className="command-list" role="group" aria-label={`Planned contacts with ${robot}`}>
@@ -82,7 +86,7 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
           </li>
         ))}
       </ol>
-      <div className="command-list-entry" role="group" aria-label="New contact">
+      <div key={additions} className="command-list-entry" role="group" aria-label="New contact">
         <TextField
           label="Begin (UTC)"
           value={entry.begin}
