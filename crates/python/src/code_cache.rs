@@ -42,7 +42,7 @@ impl CodeCache {
         is_private(&folder).then_some(Self { folder })
     }
 
-    /// The code of this name; none if it is missing or damaged.
+    /// Reads the code of a module. A missing or damaged file has none.
     pub(crate) fn read(&self, name: &str) -> Option<Vec<u8>> {
         let mut bytes = Vec::new();
         File::open(self.folder.join(name)).ok()?.read_to_end(&mut bytes).ok()?;

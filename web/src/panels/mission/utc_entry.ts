@@ -2,7 +2,7 @@
 
 const FORM = /^\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?Z?$/;
 
-/** What to enter. */
+/** Hint for a field of a time in UTC. */
 export const UTC_HINT = "enter a time in UTC, such as 2026-11-28 14:10:00";
 
 /** The time in ms since 1970; null if the text is no time. */
