@@ -23,15 +23,19 @@ const KIRUNA: ContactWindow = {
 afterEach(unmount);
 
 /** A plan at a server that stores what it is given. */
-async function planned(plan: readonly ContactWindow[], rights: readonly Right[] = ["command"]) {
+async function planned(
+  plan: readonly ContactWindow[] | null,
+  rights: readonly Right[] = ["command"],
+) {
   const stored = { plan, refusal: null as string | null };
   const requests: string[] = [];
   const { watch } = watched(runLine("live"), {});
   const serve = (request: string) => {
     requests.push(request);
-    if (request.startsWith("GET")) return stored.plan;
-    if (stored.refusal !== null) {
-      throw new RefusalError({ code: "bad_request", message: stored.refusal }, 400);
+    if (request.startsWith("GET") && stored.plan !== null) return stored.plan;
+    if (stored.refusal !== null || stored.plan === null) {
+      const message = stored.refusal ?? "the file of the contacts cannot be read";
+      throw new RefusalError({ code: "bad_request", message }, 400);
     }
     stored.plan = JSON.parse(request.slice(request.indexOf("[")));
     return undefined;
@@ -115,4 +119,9 @@ test("the last contact can be removed, and viewers cannot", async () => {
     (button) => button.getAttribute("aria-disabled") === "true",
   );
   expect(buttons).toHaveLength(2);
+});
+
+test("a plan that cannot be read can be closed", async () => {
+  const { place } = await planned(null);
+  expect(place.textContent).toBe("Close planned contacts");
 });

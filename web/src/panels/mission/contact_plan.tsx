@@ -39,7 +39,7 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
   const [additions, setAdditions] = useState(0);
   const [fault, setFault] = useState<string | null>(null);
   const refusal = useComputed(() => lacks(page, "command"), [page]);
-  if (windows === null) return null;
+  if (windows === null) return <Button onClick={onClose}>Close planned contacts</Button>;
   const coming = windows.filter(({ end }) => Date.parse(end) > now_ms);
   const edit = (part: Partial<WindowEntry>) => {
     setFault(null);
