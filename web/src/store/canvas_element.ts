@@ -1,9 +1,9 @@
-/** What code that draws on canvas elements needs of the page: the colours of the theme, and the pixels of the screen. */
+/** Helpers for drawing on canvas elements: theme colours and screen pixels. */
 
-/** The value of a variable of the theme: `--text`. */
+/** Returns the value of a theme variable, such as `--text`. */
 export type Inks = (variable: string) => string;
 
-/** The colours as an element has them now; each is looked up once. */
+/** Current colours of an element. Each is read once. */
 export function inksOf(element: Element): Inks {
   const style = getComputedStyle(element);
   const known = new Map<string, string>();
@@ -17,8 +17,7 @@ export function inksOf(element: Element): Inks {
   };
 }
 
-/** Tells when the colours of the page may be others: by the theme, or by the class of what is around a place. Returns the way to
- * stop. */
+/** Calls `changed` when colours may have changed: by the theme, or by the class of `around`. Returns a function that stops this. */
 export function onTheme(changed: () => void, around?: Element | null): () => void {
   const watcher = new MutationObserver(changed);
   watcher.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
@@ -26,7 +25,7 @@ export function onTheme(changed: () => void, around?: Element | null): () => voi
   return () => watcher.disconnect();
 }
 
-/** The context of a canvas, which gets as many pixels of the screen as this size in CSS pixels has; it draws in CSS pixels. */
+/** Context of a canvas that draws in CSS pixels. The canvas is resized to the screen pixels of `size`. */
 export function scaledContext(
   canvas: HTMLCanvasElement,
   size: { readonly width: number; readonly height: number },

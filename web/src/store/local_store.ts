@@ -4,26 +4,26 @@ import { signal } from "@preact/signals-core";
 import { pageBase, storePrefix } from "./page/base.ts";
 
 export interface LocalStore {
-  /** What was put there as JSON; undefined if there is nothing. */
+  /** Stored JSON value; undefined if none. */
   readonly get: (key: string) => unknown;
-  /** Puts it there; undefined removes it. */
+  /** Stores a value as JSON; undefined removes it. */
   readonly put: (key: string, value: unknown) => void;
-  /** Of all that is kept, the keys that begin like this. */
+  /** Stored keys with this prefix. */
   readonly keys: (prefix: string) => readonly string[];
-  /** Tells when another tab of the browser has put something else there. */
+  /** Calls the listener when another tab of the browser changes the value. */
   readonly whenOther: (key: string, told: () => void) => void;
 }
 
 /** Reason why the browser's storage failed; null before a failure. Remains until the page is closed. */
 export const storageFault = signal<"full" | "refused" | null>(null);
 
-/** What was kept, if it is an object. */
+/** Stored value, if it is an object. */
 export function kept<T extends object>(localStore: LocalStore, key: string): T | undefined {
   const value = localStore.get(key);
   return typeof value === "object" && value !== null ? (value as T) : undefined;
 }
 
-/** The storage of a browser, for keys that begin like this there. */
+/** A storage of the browser. All keys get the prefix. */
 export function localStoreOf(
   storage: () => Storage,
   prefix: string = storePrefix(pageBase()),
@@ -61,17 +61,17 @@ export function localStoreOf(
   };
 }
 
-/** Firefox had a name of its own for it. */
+/** Old versions of Firefox have another name for the error. */
 function isFull(error: unknown): boolean {
   const names = ["QuotaExceededError", "NS_ERROR_DOM_QUOTA_REACHED"];
   return error instanceof Error && names.includes(error.name);
 }
 
-/** What this browser keeps over visits; without a browser, as long as the program runs. */
+/** Storage of this browser across visits; without a browser, in memory only. */
 export const BROWSER_STORE: LocalStore =
   typeof window === "undefined" ? memoryStore() : localStoreOf(() => window.localStorage);
 
-/** Kept as long as the program runs: for tests, and where there is no browser. */
+/** Storage in memory: for tests, and without a browser. */
 export function memoryStore(): LocalStore {
   const texts = new Map<string, string>();
   return {

@@ -1,4 +1,4 @@
-/** The time by this browser's clock, about once a second, for whoever shows how old something is. Nobody looks: no timer runs. */
+/** Time of this browser's clock, updated once a second, for ages on display. Without listeners no timer runs. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 

@@ -1,5 +1,4 @@
-/** What the machine of a tab is compared with, and how it differs from that: kept up while the machine changes, and marked on the
- * canvas. */
+/** Comparison of a tab's machine with another one: updated while the machine changes, and marked on the canvas. */
 
 import { batch, type ReadonlySignal, signal } from "@preact/signals-core";
 import { type Difference, differences, marksOf } from "../../model/difference.ts";
@@ -15,26 +14,26 @@ export type Against =
   | { readonly kind: "saved" }
   /** A commit. */
   | { readonly kind: "version"; readonly commit: string }
-  /** The machine of another tab, as it is at the moment. */
+  /** Current machine of another tab. */
   | { readonly kind: "tab"; readonly tab: OpenTab };
 
 export interface MachineComparison {
   readonly against: ReadonlySignal<Against | null>;
-  /** The machine on the other side; null before it is here. */
+  /** Machine on the other side; null before it is loaded. */
   readonly other: ReadonlySignal<Machine | null>;
   readonly found: ReadonlySignal<readonly Difference[]>;
-  /** Why it could not be had. */
+  /** Reason why the other side could not be loaded. */
   readonly refusal: ReadonlySignal<string | null>;
-  /** Compares with something else, or with nothing. */
+  /** Selects the other side; null ends the comparison. */
   readonly choose: (against: Against | null) => Promise<void>;
-  /** Gets the other side again. */
+  /** Reloads the other side. */
   readonly refresh: () => Promise<void>;
 }
 
-/** Compared again when nothing has changed for so long. */
+/** Delay from the last change to the comparison. */
 const SETTLED_MS = 150;
 
-/** The one comparison of a tab. */
+/** The comparison of a tab. A tab has only one. */
 export const comparisonOf = perOwner(newComparison);
 
 function newComparison(tab: OpenTab, server: Server): MachineComparison {
@@ -82,7 +81,7 @@ function newComparison(tab: OpenTab, server: Server): MachineComparison {
   return { against, other, found, refusal, choose, refresh };
 }
 
-/** Hears when the other side is another one. */
+/** Listens for changes of the other side, until the returned function is called. */
 function follow(
   tab: OpenTab,
   against: Against,
@@ -101,7 +100,7 @@ function follow(
   });
 }
 
-/** The machine to compare with, or why it cannot be had. */
+/** Machine on the other side, or the reason why it could not be loaded. */
 async function sideOf(tab: OpenTab, server: Server, against: Against): Promise<Machine | string> {
   if (against.kind === "tab") return against.tab.session.machine;
   const path = `/machines/${encodeURIComponent(tab.session.id)}`;

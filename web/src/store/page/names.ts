@@ -1,8 +1,8 @@
-/** Names in the place of state paths, in all that the page reports and asks. */
+/** Replaces state paths by names in all messages and questions of the page. */
 
 import type { OpenTab } from "./page.ts";
 
-/** By the machine in front, then by the others that are open. */
+/** Uses the names of the machine in front first, then those of the other open machines. */
 export function withStateNames(
   tabs: readonly Pick<OpenTab, "session">[],
   front: Pick<OpenTab, "session"> | null,

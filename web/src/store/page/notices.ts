@@ -1,19 +1,19 @@
-/** How notices are kept: equal ones as one that counts, news of a topic in the place of the one before, and how many there are at
- * most. Knows nothing of how they are shown. */
+/** Storage of notices: equal ones are counted as one, a new one replaces its predecessor on a topic, and their number is limited.
+ * Independent of their display. */
 
 import type { Notice, Page } from "./page.ts";
 
 /** Capacity of the log's notices. The least urgent is dropped first, of these the oldest. */
 const KEPT_MAX = 1_000;
-/** A notice that says the same as one of the last so many is counted with it. */
+/** A notice that equals one of this many recent notices is counted with it. */
 const FOLDED_MAX = 20;
 /** Capacity of the notice centre. The most urgent come first, of these the newest. */
 const OFFERED_MAX = 100;
 
-/** A notice as it is told, without what keeping it adds. */
+/** A notice as it is reported, without the fields that storage adds. */
 export type Telling = Omit<Notice, "id" | "at_ms" | "count" | "isClosed">;
 
-/** Where notices are kept. */
+/** Signals with the stored notices. */
 export type KeptNotices = Pick<Page, "notices" | "droppedNotices">;
 
 /** Adds a notice. */
@@ -24,7 +24,7 @@ export function putNotice(kept: KeptNotices, telling: Telling, id: number, at_ms
   kept.notices.value = dropped ? all.filter((other) => other !== dropped) : all;
 }
 
-/** Closes notices: the notice centre has them no more, and the log still does. */
+/** Closes notices: removes them from the notice centre, but not from the log. */
 export function closeNotices({ notices }: KeptNotices, closed: readonly Notice[]): void {
   const ids = new Set(closed.map(({ id }) => id));
   notices.value = notices
@@ -32,7 +32,7 @@ export function closeNotices({ notices }: KeptNotices, closed: readonly Notice[]
     .map((notice) => (ids.has(notice.id) ? { ...notice, isClosed: true } : notice));
 }
 
-/** Removes all notices, from the log too. */
+/** Removes all notices, also from the log. */
 export function clearNotices({ notices, droppedNotices }: KeptNotices): void {
   notices.value = [];
   droppedNotices.value = 0;
@@ -56,23 +56,23 @@ function withNotice(
   return [...others, { ...telling, id, at_ms, count }];
 }
 
-/** The notice to drop. The newest stays, because its toast is still to come. */
+/** The notice to drop. The newest is exempt, because its toast has not been shown yet. */
 function leastUrgent(notices: readonly Notice[]): Notice | undefined {
   const earlier = notices.slice(0, -1);
   const least = Math.min(...earlier.map(urgency));
   return earlier.find((notice) => urgency(notice) === least);
 }
 
-/** From what nobody misses to what reports an error or offers an action. */
+/** From 0 for closed, quiet and passing notices to 3 for errors and offered actions. */
 function urgency(notice: Notice): number {
   const { level, action, passing } = notice;
-  // News of a run is in mission control too.
+  // Mission control shows passing notices, too.
   if (!isOpen(notice) || passing) return 0;
   if (level === "error" || action) return 3;
   return level === "warning" ? 2 : 1;
 }
 
-/** The same for equal notices, and for all news of one topic. */
+/** Key that equal notices share, and all passing notices of a topic. */
 export function keyOfNotice({ level, text, action, about, passing }: Telling): string {
   return passing ? `topic ${passing.topic}` : JSON.stringify([level, text, action, about]);
 }
@@ -81,12 +81,12 @@ function isOpen({ isQuiet, isClosed }: Notice): boolean {
   return !isQuiet && !isClosed;
 }
 
-/** Open notices, the newest first: shown to the user and not closed. */
+/** Open notices (shown to the user and not closed), the newest first. */
 export function openNotices(notices: readonly Notice[]): readonly Notice[] {
   return notices.filter(isOpen).reverse();
 }
 
-/** Those of the open notices that the notice centre shows. */
+/** The open notices that the notice centre shows. */
 export function offeredNotices(open: readonly Notice[]): readonly Notice[] {
   if (open.length <= OFFERED_MAX) return open;
   const byUrgency = [...open].sort((one, other) => urgency(other) - urgency(one));
@@ -94,7 +94,7 @@ export function offeredNotices(open: readonly Notice[]): readonly Notice[] {
   return open.filter((notice) => offered.has(notice));
 }
 
-/** What it says, with how often it was said. */
+/** Text of a notice with its count. */
 export function noticeText({ text, count }: Pick<Notice, "text" | "count">): string {
   return count > 1 ? `${text} (${count} times)` : text;
 }

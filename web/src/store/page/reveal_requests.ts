@@ -1,16 +1,16 @@
-/** What the user asked a panel to show. Each request is another object, or another number, so that the same can be asked again. */
+/** Requests that a panel reveals something. Each is a new object or number, so that a repeated request also has an effect. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { LibraryName } from "../../model/generated/protocol.ts";
 
-/** The library to show in the tree of libraries. */
+/** Library to reveal in the library tree. */
 export const libraryRevealRequest: Signal<LibraryName | null> = signal(null);
 
-/** The line of a script, from 1: the inspector shows it once it shows the script. */
+/** Line of a script, from 1. The inspector reveals it once it shows the script. */
 export const scriptLineRevealRequest: Signal<{
   readonly path: string;
   readonly line: number;
 } | null> = signal(null);
 
-/** How often a search was requested: the panel takes the keyboard each time. */
+/** Number of requested searches. The panel takes the keyboard focus at each. */
 export const searchRevealRequest: Signal<number> = signal(0);

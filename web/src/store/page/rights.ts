@@ -1,17 +1,17 @@
-/** Whether the user of this page may edit, and why not. One rule for menus, keys, panels and the canvas. */
+/** Editing rights of the user, and the reason if they are missing. Menus, keys, panels and the canvas share this rule. */
 
 import type { OpenTab, Page } from "./page.ts";
 
 const MAY_ONLY_LOOK =
   "You can view this machine but not edit it. Ask an admin for the role engineer.";
 
-/** Whether the session may edit. While the server cannot be asked, what is done waits for it. */
+/** True if the session may edit. Also true without a connection: edits wait until it is back. */
 export function mayEdit({ server }: { readonly server: Pick<Page["server"], "link"> }): boolean {
   const link = server.link.value;
   return link.state !== "up" || link.session.rights.includes("edit");
 }
 
-/** Why nothing of a machine can be edited; null if it can be. */
+/** Reason why a machine cannot be edited; null if it can. */
 export function whyFixed(page: Page, tab: OpenTab): string | null {
   return mayEdit(page) ? tab.session.fixed : MAY_ONLY_LOOK;
 }

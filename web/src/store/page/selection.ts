@@ -1,10 +1,10 @@
-/** Keeps what is selected and hovered to what is there. */
+/** Limits the selection and the hovered element to existing elements. */
 
 import { type ElementRef, elementOf } from "../../model/element.ts";
 import { type Machine, outcomesOf, portsOf } from "../../model/machine.ts";
 import type { SessionView } from "./view.ts";
 
-/** Whether the machine has the element. */
+/** True if the machine has the element. */
 export function isThere(machine: Machine, element: ElementRef): boolean {
   const state = machine.state(element.path);
   if (!state) return false;
@@ -23,7 +23,7 @@ export function isThere(machine: Machine, element: ElementRef): boolean {
   }
 }
 
-/** Takes out of the selection what is gone. */
+/** Removes missing elements from the selection. */
 export function forgetGone(view: SessionView, machine: Machine): void {
   const before = view.selection.peek();
   const kept = [...before].filter((key) => {
@@ -35,7 +35,7 @@ export function forgetGone(view: SessionView, machine: Machine): void {
   if (hovered && !isThere(machine, hovered)) view.hovered.value = null;
 }
 
-/** Paths of all states that are selected, or have something selected. */
+/** Paths of all states that are selected or contain a selected element. */
 export function touchedStates(view: SessionView): readonly string[] {
   const paths = [...view.selection.value].flatMap((key) => elementOf(key)?.path ?? []);
   return [...new Set(paths)];

@@ -1,4 +1,4 @@
-/** The server as the rest of the page knows it: a port, filled by `sync` and in tests by a few lines. */
+/** Interface of the server for the rest of the page, implemented by `sync`, and in tests by a few lines. */
 
 import type { ReadonlySignal } from "@preact/signals-core";
 import type {
@@ -11,11 +11,11 @@ import type {
 } from "../../model/generated/protocol.ts";
 import { inPageWords } from "../../model/page_words.ts";
 
-/** How the connection is. */
+/** State of the connection. */
 export type Link =
   | { readonly state: "connecting" }
   | { readonly state: "up"; readonly session: Session; readonly connection: number }
-  /** `retry_ms`: when it is tried again, in ms since 1970; nobody retries what needs a login. */
+  /** `retry_ms`: time of the next attempt, in ms since 1970; null if a login is needed first. */
   | {
       readonly state: "down";
       readonly since_ms: number;
@@ -24,27 +24,27 @@ export type Link =
     }
   | { readonly state: "refused"; readonly reason: string };
 
-/** How the server is heard. */
+/** Timing of the connection to the server. */
 export interface ServerPulse {
-  /** When it was heard last: ms since 1970 by this browser's clock. */
+  /** Time of the last received message: ms since 1970 by this browser's clock. */
   readonly heard_ms: number;
-  /** How long a question and its answer took last. */
+  /** Latest round-trip time; null before the first measurement. */
   readonly delay_ms: number | null;
-  /** So much is the server's clock ahead of this browser's. */
+  /** Offset of the server's clock: positive if ahead of this browser's. */
   readonly ahead_ms: number;
-  /** The server's time when it said what was heard last: ms since 1970 by its own clock. */
+  /** Server time of the last received message: ms since 1970 by its own clock. */
   readonly server_ms: number;
-  /** What was not confirmed for so long counts as old: it follows from the delay. */
+  /** Age from which unconfirmed data counts as old. Derived from the delay. */
   readonly old_ms: number;
 }
 
-/** Of a request that is repeated until it is answered: it is given up sooner. */
+/** Marks a request that is repeated until answered: each attempt has a shorter timeout. */
 export const REPEATED = "repeated";
 
-/** What the server refused, or why it could not be asked. */
+/** Refusal by the server, or the reason why it could not be reached. */
 export class RefusalError extends Error {
   readonly code: string;
-  /** The HTTP status; 0 if there was no answer. */
+  /** HTTP status; 0 without a response. */
   readonly status: number;
 
   constructor(refusal: Refusal, status: number) {
@@ -54,48 +54,48 @@ export class RefusalError extends Error {
     this.status = status;
   }
 
-  /** Whether the same may be answered otherwise later: the server did not answer, is busy, or cannot do it now. */
+  /** True if a retry may succeed: the server did not respond, is busy, or has a temporary problem. */
   get isForNow(): boolean {
     return this.status === 0 || this.status === 429 || this.status >= 500;
   }
 }
 
-/** What becomes of a subscription. Frames come in order; after a break `topic` is asked where to go on. The last frame is
- * `ended` or `reset`: whoever wants more follows anew. */
+/** Receiver of a subscription. Frames arrive in order. After a reconnect, `topic` returns the position to continue from. `ended` or
+ * `reset` is the last frame; to receive more, subscribe again. */
 export interface Follower {
   readonly topic: () => Topic;
   readonly frame: (frame: ToClient) => void;
 }
 
-/** What became of an edit, an undo or a redo. */
+/** Result of an edit, an undo or a redo. */
 export type AnswerFrame = Extract<ToClient, { frame: "edited" | "refused" }>;
 
 export interface Server {
   readonly link: ReadonlySignal<Link>;
-  /** Null before the server was heard for the first time. */
+  /** Null before the first message from the server. */
   readonly pulse: ReadonlySignal<ServerPulse | null>;
-  /** Asks below `/api/v1`; throws a [`RefusalError`], also if nothing comes for too long. */
+  /** Sends a request below `/api/v1`. Throws a [`RefusalError`], also after a timeout. */
   readonly request: <T>(
     method: "GET" | "POST" | "PUT" | "PATCH" | "DELETE",
     path: string,
     body?: unknown,
     patience?: typeof REPEATED,
   ) => Promise<T>;
-  /** Asks for what comes line by line as JSON, for as long as the server needs, and tells each line; `signal` ends it. Throws as
-   * `request` does. */
+  /** Requests a stream of JSON lines without a time limit. The callback receives each line, and `signal` aborts the request. Throws
+   * like `request`. */
   readonly lines: <T>(
     path: string,
     body: unknown,
     tell: (line: T) => void,
     signal: AbortSignal,
   ) => Promise<void>;
-  /** Follows a topic until the returned function is called, over every break of the connection. */
+  /** Subscribes to a topic until the returned function is called, across reconnects. */
   readonly follow: (follower: Follower) => () => void;
-  /** Tells the answers to frames that were said with an id, until the returned function is called. */
+  /** Reports the results of frames sent with an id, until the returned function is called. */
   readonly onAnswer: (listener: (frame: AnswerFrame) => void) => () => void;
-  /** Sends a frame if the connection is up; nothing otherwise. */
+  /** Sends a frame if the connection is up; otherwise drops it. */
   readonly say: (frame: ToServer) => void;
-  /** Connects again at once: after a login, or because the user does not want to wait. */
+  /** Reconnects immediately: after a login, or on the user's request. */
   readonly retry: () => void;
 }
 

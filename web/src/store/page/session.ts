@@ -1,4 +1,4 @@
-/** What was open and how it was looked at, so that a page that is loaded again, or a browser that crashed, comes back as it was. */
+/** Open tabs and their views, stored to restore the page after a reload or a crash of the browser. */
 
 import type { ElementKey } from "../../model/element.ts";
 import type { MachineFile } from "../../model/generated/protocol.ts";
@@ -8,9 +8,9 @@ import type { OpenTab } from "./page.ts";
 import { type Camera, FIRST_CAMERA, MODES, type SessionView, type ViewModes } from "./view.ts";
 
 export interface KeptTab {
-  /** Null of a machine as a run went by it. */
+  /** Null for a machine as it ran. */
   readonly file: MachineFile | null;
-  /** The run that is shown on it. */
+  /** Id of the run on display. */
   readonly run: string | null;
   readonly camera: Camera;
   readonly selection: readonly ElementKey[];
@@ -20,13 +20,13 @@ export interface KeptTab {
 
 export interface KeptTabs {
   readonly tabs: readonly KeptTab[];
-  /** The place of the one in front; null: none of them. */
+  /** Index of the tab in front; null if none of them is. */
   readonly active: number | null;
 }
 
 const KEY = "rafcon.session";
 
-/** What is open now. Machines without a folder are not kept. Reads signals: an effect is told when anything is different. */
+/** Open tabs, except machines without a folder. Reads signals: an effect runs again after a change. */
 export function sessionOf(tabs: readonly OpenTab[], active: OpenTab | null): KeptTabs {
   const all = tabs.flatMap((tab) => {
     const kept = keptTab(tab);
@@ -40,7 +40,7 @@ export function keepSession(localStore: LocalStore, session: KeptTabs): void {
   localStore.put(KEY, session);
 }
 
-/** As it was kept; null if nothing was, or nothing that can be read. */
+/** Stored session; null if there is none, or if it cannot be read. */
 export function readSession(localStore: LocalStore): KeptTabs | null {
   const session = kept<Partial<KeptTabs>>(localStore, KEY);
   if (!Array.isArray(session?.tabs)) return null;
@@ -48,7 +48,7 @@ export function readSession(localStore: LocalStore): KeptTabs | null {
   return { tabs, active: typeof session.active === "number" ? session.active : null };
 }
 
-/** Looks at a machine as it was looked at before. */
+/** Restores the view of a machine. */
 export function restoreView(
   view: SessionView,
   { camera, selection, modes, contents }: KeptTab,

@@ -1,4 +1,4 @@
-/** Settings of this browser: what they are at first, and how they are kept. */
+/** Settings of this browser: defaults and storage. */
 
 import { effect, type Signal, signal } from "@preact/signals-core";
 import type { MachineFile } from "../../model/generated/protocol.ts";
@@ -23,19 +23,19 @@ export const THEMES: readonly { readonly value: Settings["theme"]; readonly titl
   { value: "light", title: "Light" },
 ];
 
-/** So many folders are remembered. */
+/** Capacity of the recent folders. */
 const RECENT_MAX = 20;
 const KEY = "rafcon.settings";
 
-/** As they were kept; what cannot be read is as at first. */
+/** Stored settings, with defaults for missing ones. */
 function readSettings(localStore: LocalStore): Settings {
   return { ...FIRST_SETTINGS, ...kept<Partial<Settings>>(localStore, KEY) };
 }
 
-/** The settings, kept from now on. Only what was changed here is written, so that tabs of a browser leave each other's changes. */
+/** Settings, stored after each change. Only the values changed here are written, so that browser tabs keep each other's changes. */
 export function followSettings(localStore: LocalStore): Signal<Settings> {
   let known = readSettings(localStore);
-  /** Values that the browser did not store. */
+  /** Values that the browser refused to store. */
   let unkept: Partial<Settings> = {};
   const settings = signal(known);
   effect(() => {
@@ -60,7 +60,7 @@ export function followSettings(localStore: LocalStore): Signal<Settings> {
   return settings;
 }
 
-/** With the folder as the newest of those that were opened lately. */
+/** The settings with the folder as the most recently opened one. */
 export function withRecent(settings: Settings, file: MachineFile): Settings {
   const others = settings.recent.filter(
     ({ project, path }) => project !== file.project || path !== file.path,

@@ -1,11 +1,11 @@
-/** Points in time for people, on the scale that the settings name; each says which scale it is on. A run is told by the clock of
- * its robot: of one that is far away, UTC is known as far as it is known how the clocks differ. */
+/** Formats points in time on the scale of the settings, which each text names. A run uses the clock of its robot. For a remote
+ * robot, UTC is as precise as the known offset of its clock. */
 
 import { signal } from "@preact/signals-core";
 import type { ClockOffset, RunSummary } from "../../model/generated/protocol.ts";
 import type { Watch } from "../history/run.ts";
 
-/** Since the start of a run, by the clock of the world, by that of the robot, or in the time zone of this browser. */
+/** Time since the start of a run, UTC, the robot's clock, or the time zone of this browser. */
 export type TimeScale = "mission" | "utc" | "robot" | "local";
 
 export const TIME_SCALES: readonly { readonly value: TimeScale; readonly title: string }[] = [
@@ -15,7 +15,7 @@ export const TIME_SCALES: readonly { readonly value: TimeScale; readonly title: 
   { value: "local", title: "Time zone of this computer" },
 ];
 
-/** The scale of this browser's settings. */
+/** Scale in this browser's settings. */
 export const timeScale = signal<TimeScale>("mission");
 
 const SECOND = 1_000;
@@ -23,14 +23,15 @@ const MINUTE = 60 * SECOND;
 const HOUR = 60 * MINUTE;
 const DAY = 24 * HOUR;
 
-/** `14:03:27 UTC` or `15:03:27 CET`, with the date if it is not today's. What belongs to no run has no mission time: then local. */
+/** `14:03:27 UTC` or `15:03:27 CET`, with the date if it is not today. Without a run there is no mission time; local time is used
+ * instead. */
 export function wallTime(at_ms: number, now_ms: number): string {
   const isThisYear = now_ms - at_ms < 300 * DAY;
   const date = dateOf(at_ms, isThisYear);
   return date === dateOf(now_ms, true) ? clock(at_ms, 0) : `${date} ${clock(at_ms, 0)}`;
 }
 
-/** `14:03:27 UTC`, with the date if it is not today's in UTC. */
+/** `14:03:27 UTC`, with the date if it is not today in UTC. */
 export function utcTime(at_ms: number, now_ms: number): string {
   const [date, time] = new Date(at_ms).toISOString().slice(0, 19).split("T");
   return new Date(now_ms).toISOString().startsWith(`${date}`)
@@ -38,14 +39,14 @@ export function utcTime(at_ms: number, now_ms: number): string {
     : `${date} ${time} UTC`;
 }
 
-/** When a run began; of a robot's run by the robot's clock, as it is not known here how that differs. */
+/** Start time of a run. For a robot's run by the robot's clock, because its offset is unknown here. */
 export function startedAt({ started_ms, robot }: Pick<RunSummary, "started_ms" | "robot">): string {
   const time = wallTime(started_ms, Date.now());
   return robot === undefined ? time : `${time} by ${robot}’s clock`;
 }
 
-/** A time of a run, to the step that is told apart: `T+12.345 s`, `T+1:02:03.5`, `14:03:27.345 UTC`, `14:03:27.345 by scout`. A crash stops the clock of
- * a run: after one only mission time is known. */
+/** A time of a run at the resolution of `step_ms`: `T+12.345 s`, `T+1:02:03.5`, `14:03:27.345 UTC`, `14:03:27.345 by scout`. A
+ * crash stops the clock of a run; after it only mission time is known. */
 export function runTime(watch: Watch, t_ns: number, step_ms = 1): string {
   const at = dayTimesOf(watch, t_ns);
   const scale = timeScale.value;
@@ -55,7 +56,7 @@ export function runTime(watch: Watch, t_ns: number, step_ms = 1): string {
   return `${at.utc.isLatest ? "≤ " : ""}${clock(at.utc.at_ms, digits, scale)}`;
 }
 
-/** The same on all scales, one a line, where there is room. */
+/** A time of a run on all scales, one per line. */
 export function runTimes(watch: Watch, t_ns: number): string {
   const at = dayTimesOf(watch, t_ns);
   const times: string[] = [];
@@ -64,10 +65,10 @@ export function runTimes(watch: Watch, t_ns: number): string {
   return [missionTime(t_ns), ...new Set(times)].join("\n");
 }
 
-/** A time of a run by the clocks, to the second: UTC with its bound, and by the robot's own clock if that is far away. */
+/** A time of a run by the clocks, to the second: UTC with its error bound, and for a remote robot its own clock. */
 export interface ClockTimes {
   readonly utc: string;
-  /** Empty of a run that is not far away. */
+  /** Empty unless the robot is remote. */
   readonly robot: string;
 }
 
@@ -79,7 +80,7 @@ export function clockTimes(watch: Watch, t_ns: number): ClockTimes | null {
   return { utc, robot: at.robot === null ? "" : clock(at.robot_ms, 0, "utc").replace(" UTC", "") };
 }
 
-/** A time since the start of a run on a clock face: `T+00:12:34`. */
+/** A time since the start of a run, like a clock: `T+00:12:34`. */
 export function missionClock(ms: number): string {
   const [hours, minutes] = [Math.floor(ms / HOUR), Math.floor(ms / MINUTE) % 60];
   return `T+${two(hours)}:${two(minutes)}:${two(Math.floor(ms / SECOND) % 60)}`;
@@ -91,19 +92,19 @@ export function missionTime(t_ns: number, step_ms = 1): string {
 }
 
 interface DayTimes {
-  /** By the clock of whoever ran it. */
+  /** By the clock of the computer that ran it. */
   readonly robot_ms: number;
-  /** The robot, if that is far away. */
+  /** Name of the robot if it is remote. */
   readonly robot: string | null;
-  /** Null if nothing is known of how the robot's clock differs. */
+  /** Null if the offset of the robot's clock is unknown. */
   readonly utc: BoundedTime | null;
 }
 
 interface BoundedTime {
   readonly at_ms: number;
-  /** So much it may be off. */
+  /** Greatest possible error. */
   readonly off_ms: number;
-  /** It was then or earlier: without an up-link nobody knows how much. */
+  /** True if `at_ms` is only an upper bound, because without an up-link the lower one is unknown. */
   readonly isLatest: boolean;
 }
 
@@ -136,10 +137,10 @@ function robotClock({ robot_ms, robot }: DayTimes, digits: number): string {
   return robot === null ? text : text.replace("UTC", `by ${robot}`);
 }
 
-/** A length as a time since the start, to the step that is told apart: `12.345 s`, `1:02:03.5`. */
+/** A duration at the resolution of `step_ms`: `12.345 s`, `1:02:03.5`. */
 export function sinceStart(exact_ms: number, step_ms: number): string {
   const digits = digitsOf(step_ms);
-  // What came is never rounded up to what has not.
+  // Rounded down: no time is shown before it is reached.
   const unit_ms = SECOND / 10 ** digits;
   const ms = Math.floor(exact_ms / unit_ms + 1e-6) * unit_ms;
   if (ms < MINUTE) return `${(ms / SECOND).toFixed(digits)} s`;
@@ -166,7 +167,7 @@ function clock(at_ms: number, digits: number, scale: TimeScale = timeScale.value
   });
 }
 
-/** What belongs to no run has no mission time. */
+/** Undefined for local time, which the mission scale uses here, too. */
 function zoneOf(scale: TimeScale): string | undefined {
   return scale === "utc" || scale === "robot" ? "UTC" : undefined;
 }

@@ -1,4 +1,4 @@
-/** How one open machine is looked at: what is selected, where the camera is, which layers show. Belongs to this page only. */
+/** View of one open machine: selection, camera and layers. Local to this page. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
@@ -6,7 +6,7 @@ import type { Size } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 
-/** What the screen shows: `scale` CSS pixels for one unit of the root, and the root's coordinates in the screen's left top corner. */
+/** Position of the view: the root's coordinates at the top left corner of the screen, and `scale` CSS pixels per unit of the root. */
 export interface Camera {
   readonly x: number;
   readonly y: number;
@@ -18,31 +18,31 @@ export type FlowMode = "all" | "selection" | "none";
 export interface ViewModes {
   readonly transitions: boolean;
   readonly dataFlows: FlowMode;
-  /** Names of ports and outcomes, beside them and on transitions. */
+  /** Shows names of ports and outcomes, beside them and on transitions. */
   readonly portNames: boolean;
   readonly values: boolean;
-  /** Whether aborted and preempted show where nothing is connected to them. */
+  /** Shows unconnected outcomes *aborted* and *preempted*. */
   readonly aborted: boolean;
   readonly grid: boolean;
 }
 
-/** What colours states by how they ran: nothing, how often, or how long altogether. */
+/** Colouring of states by how they ran: off, by count, or by total time. */
 export type HeatMode = "off" | "count" | "time";
 
-/** How an element differs from its counterpart in another machine. */
+/** Difference of an element from its counterpart in another machine. */
 type Mark = "added" | "removed" | "changed";
 
-/** A machine that is offered and not part of the one that is shown: drawn where it would stand. */
+/** A proposed machine, drawn at its future position in the machine on display. */
 export interface GhostMachine {
-  /** The container that it would stand in. */
+  /** Path of its future container. */
   readonly container: string;
-  /** Its root has the place in the container. */
+  /** Its root has its position in the container. */
   readonly machine: Machine;
-  /** Of its states, the one that is looked at. */
+  /** Its state under inspection. */
   readonly chosen: string | null;
 }
 
-/** Where a view looks before anybody has chosen: the canvas fits the root then. */
+/** Camera before the user has moved it; the canvas then fits the root. */
 export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };
 
 export interface SessionView {
@@ -50,19 +50,18 @@ export interface SessionView {
   readonly selection: Signal<ReadonlySet<ElementKey>>;
   readonly hovered: Signal<ElementRef | null>;
   readonly modes: Signal<ViewModes>;
-  /** How elements differ from what the machine is compared with; null if it is compared with nothing. */
+  /** Differences of elements in a comparison; null without a comparison. */
   readonly marks: Signal<ReadonlyMap<ElementKey, Mark> | null>;
-  /** What a planner offers; null if nothing is. */
+  /** Proposal of a planner; null if none. */
   readonly ghost: Signal<GhostMachine | null>;
-  /** What of the run colours states. */
   readonly heat: Signal<HeatMode>;
-  /** Library states whose content is shown or hidden here, other than the file says. */
+  /** Library states whose content is shown (true) or hidden (false) here, unlike in the file. */
   readonly contents: Signal<ReadonlyMap<string, boolean>>;
-  /** Whether the camera follows what runs. */
+  /** True if the camera follows active states. */
   readonly follows: Signal<boolean>;
-  /** The states that are open in the tree; null: the root alone. */
+  /** States that are expanded in the tree; null for the root alone. */
   readonly openInTree: Signal<ReadonlySet<string> | null>;
-  /** How large the canvas was last, in CSS pixels; null before the camera was set once. */
+  /** Last size of the canvas, in CSS pixels; null before the camera was first set. */
   readonly canvasSize: Signal<Size | null>;
 }
 
@@ -91,12 +90,12 @@ export function newView(): SessionView {
   };
 }
 
-/** Selects these and nothing else. An element and a state around it are never selected together: the outer one stays. */
+/** Replaces the selection. An element and a state around it are never selected together: the outer one stays. */
 export function select(view: SessionView, elements: Iterable<ElementRef>): void {
   view.selection.value = withoutInner([...elements]);
 }
 
-/** Adds the element to the selection, or takes it out. */
+/** Adds the element to the selection, or removes it. */
 export function toggle(view: SessionView, element: ElementRef): void {
   const key = keyOf(element);
   const before = [...view.selection.value];
@@ -108,12 +107,12 @@ export function toggle(view: SessionView, element: ElementRef): void {
   );
 }
 
-/** The selected elements in the order in which they were selected. */
+/** Selected elements in the order of their selection. */
 export function selected(view: SessionView): readonly ElementRef[] {
   return [...view.selection.value].flatMap((key) => elementOf(key) ?? []);
 }
 
-/** The paths of the selected states. */
+/** Paths of the selected states. */
 export function selectedStates(view: SessionView): readonly string[] {
   return selected(view).flatMap((element) => (element.kind === "state" ? [element.path] : []));
 }
@@ -130,7 +129,7 @@ function withoutInner(elements: readonly ElementRef[]): ReadonlySet<ElementKey> 
   return new Set(elements.filter((element) => !hasOuter(element)).map(keyOf));
 }
 
-/** Whether the element is a state around, or owning, what the key is of. */
+/** True if the element is a state that contains or owns the element of the key. */
 function isAround(element: ElementRef, key: ElementKey): boolean {
   const other = elementOf(key);
   if (element.kind !== "state" || !other) return false;

@@ -1,4 +1,4 @@
-/** What a planner is asked, as a person writes it: kept by this browser for each machine. */
+/** Inputs of the planner as a person writes them, stored in this browser for each machine. */
 
 import type { JsonValue, MakePlan, PlanDomain, PlanThen } from "../../model/generated/protocol.ts";
 import {
@@ -10,16 +10,16 @@ import {
   typesOfText,
 } from "../../model/pddl.ts";
 
-/** An object, and what it is while a machine runs. */
+/** An object and its value at run time. */
 export interface WorldObject extends PddlObject {
-  /** JSON; empty: it has no value. */
+  /** JSON; empty if it has no value. */
   readonly value: string;
 }
 
 export interface PlannerInputs {
-  /** Library roots, folders and libraries. */
+  /** Library roots, folders and libraries with skills. */
   readonly libraries: readonly string[];
-  /** As PDDL writes them: `cup plate - dish`. */
+  /** Types in PDDL notation: `cup plate - dish`. */
   readonly types: string;
   readonly objects: readonly WorldObject[];
   readonly facts: string;
@@ -31,7 +31,7 @@ export interface PlannerInputs {
   readonly parallel: boolean;
   readonly retries: number;
   readonly lastResort: PlanThen;
-  /** The library that observes facts; empty: none. */
+  /** Library that observes facts; empty for none. */
   readonly observe: string;
 }
 
@@ -51,12 +51,12 @@ export const NO_INPUTS: PlannerInputs = {
   observe: "",
 };
 
-/** What was kept, with what is new since. */
+/** Stored inputs, with defaults for fields added since. */
 export function keptInputs(value: object | undefined): PlannerInputs {
   return { ...NO_INPUTS, ...value };
 }
 
-/** What is sent. */
+/** Request for a plan. */
 export function requestOf(inputs: PlannerInputs): MakePlan {
   const { libraries, types, objects, facts, goal, name, observe } = inputs;
   const values = objects.flatMap(({ name: object, value }) =>
@@ -64,7 +64,7 @@ export function requestOf(inputs: PlannerInputs): MakePlan {
   );
   return {
     pool: { libraries: [...libraries], types: { ...typesOfText(types) } },
-    // The server names the part in which a bracket is missing.
+    // The server reports in which part a bracket is missing.
     facts: textOfProblem({ name, objects, facts, goal: "" }),
     goal: goalOfText(goal),
     data: Object.fromEntries(values),
@@ -79,12 +79,12 @@ export function requestOf(inputs: PlannerInputs): MakePlan {
   };
 }
 
-/** The skills, the world and the goal: an answer to other ones is not one to these. */
+/** Key of skills, world and goal: a plan is valid only for an equal key. */
 export function questionOf({ libraries, types, objects, facts, goal }: PlannerInputs): string {
   return JSON.stringify([libraries, types, objects, facts, goal]);
 }
 
-/** Why a planner cannot be asked yet, and what to do; null if it can. */
+/** Reason why no plan can be requested yet, with the remedy; null if it can. */
 export function missingIn({ libraries, goal, limit_s, objects }: PlannerInputs): string | null {
   if (libraries.length === 0) return "Add a library with skills first.";
   if (goal.trim() === "") return "Say what is to be reached: write a goal.";
@@ -93,7 +93,7 @@ export function missingIn({ libraries, goal, limit_s, objects }: PlannerInputs):
   return bad ? `The value of ${bad.name} is no JSON: change it.` : null;
 }
 
-/** Why a text is no value; null if it is, or is empty. */
+/** Reason why a text is not a value; null if it is one, or is empty. */
 export function valueFault(text: string): string | null {
   if (text.trim() === "") return null;
   try {
@@ -104,7 +104,7 @@ export function valueFault(text: string): string | null {
   }
 }
 
-/** What facts and goals can be made of: the skills' predicates, the objects. */
+/** Vocabulary of facts and goals: the predicates and functions of the skills, and the objects. */
 export function wordsOf(domain: PlanDomain | null, { objects, types }: PlannerInputs): PddlWords {
   const signatures = (list: PlanDomain["predicates"], isNumeric: boolean) =>
     list.map(({ name, arguments: all }) => ({
@@ -122,19 +122,20 @@ export function wordsOf(domain: PlanDomain | null, { objects, types }: PlannerIn
   };
 }
 
-/** Names count without their case. */
+/** Names are case-insensitive. */
 function inSmallLetters(types: Readonly<Record<string, string>>): PddlWords["types"] {
   const pairs = Object.entries(types);
   return Object.fromEntries(pairs.map((pair) => pair.map((name) => name.toLowerCase())));
 }
 
-/** All types that an object can be of. */
+/** All types that an object can have. */
 export function typesIn(domain: PlanDomain | null): readonly string[] {
   const pairs = Object.entries(domain?.types ?? {});
   return [...new Set(pairs.flat())].filter((type) => type !== "object").sort();
 }
 
-/** The inputs with what a file says: a PDDL problem, or the robot's world file with a value for each object; a text says why not. */
+/** Inputs with the content of a file: a PDDL problem, or the robot's world file with a value for each object. Returns an error text
+ * for other files. */
 export function withFile(inputs: PlannerInputs, text: string): PlannerInputs | string {
   const problem = problemOfText(text);
   if (problem) {

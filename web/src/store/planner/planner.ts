@@ -1,4 +1,4 @@
-/** A planner beside an open machine: what it is asked, what it says, and the answer before. Belongs to this page only. */
+/** Planner of an open machine: its inputs, its state and the plans that it found. Local to this page. */
 
 import { computed, type Signal, signal } from "@preact/signals-core";
 import type {
@@ -14,7 +14,7 @@ import { kept, type LocalStore } from "../local_store.ts";
 import type { Server } from "../page/server.ts";
 import { keptInputs, type PlannerInputs, questionOf, requestOf, wordsOf } from "./inputs.ts";
 
-/** How planning goes. */
+/** State of planning. */
 export type Planning =
   | { readonly state: "idle" }
   | { readonly state: "planning"; readonly since_ms: number }
@@ -22,32 +22,32 @@ export type Planning =
   | { readonly state: "refused"; readonly findings: readonly PlanFinding[] }
   | { readonly state: "unasked"; readonly reason: string };
 
-/** An answer that was taken into the machine. */
+/** A plan that was inserted into the machine. */
 export interface Taken {
   readonly found: PlanFound;
-  /** The state that it became. */
+  /** Path of the new state. */
   readonly path: string;
 }
 
 export class Planner {
   readonly inputs: Signal<PlannerInputs>;
-  /** What the skills add up to; null before the server has said so. */
+  /** Planning domain of the skills; null before the server has sent it. */
   readonly domain = signal<PlanDomain | null>(null);
-  /** Why the skills could not be read. */
+  /** Reason why the skills could not be read. */
   readonly domainFault = signal<string | null>(null);
   readonly planning = signal<Planning>({ state: "idle" });
-  /** The newest answer. */
+  /** Latest plan. */
   readonly found = signal<PlanFound | null>(null);
-  /** The last answer to what was asked before. */
+  /** Last plan of the previous request. */
   readonly before = signal<PlanFound | null>(null);
   readonly taken = signal<Taken | null>(null);
-  /** Whether the newest answer belongs to the present skills, world and goal. */
+  /** True if the latest plan belongs to the current skills, world and goal. */
   readonly isCurrent = computed(
     () => this.#answered.value !== null && this.#answered.value === questionOf(this.inputs.value),
   );
-  /** The question of the newest answer. */
+  /** Key of the latest plan, from `questionOf`. */
   readonly #answered = signal<string | null>(null);
-  /** The container into which the answer would go. */
+  /** Container to insert the plan into. */
   readonly container = signal<string | null>(null);
   readonly #server: Pick<Server, "request" | "lines">;
   readonly #store: LocalStore;
@@ -75,7 +75,7 @@ export class Planner {
     if (changed.libraries || changed.types !== undefined) void this.readSkills();
   }
 
-  /** Asks what the skills add up to. The answer to an older question is not heeded. */
+  /** Requests the planning domain of the skills. Responses to older requests are ignored. */
   async readSkills(): Promise<void> {
     const { libraries, types } = this.inputs.peek();
     const pool = { libraries: [...libraries], types: typesOfText(types) };
@@ -97,7 +97,7 @@ export class Planner {
     }
   }
 
-  /** Asks for a plan; resolves once the planner is done. */
+  /** Requests a plan; resolves once the planner is done. */
   async plan(): Promise<void> {
     this.cancel();
     const control = new AbortController();
@@ -131,7 +131,7 @@ export class Planner {
     if (this.#control === control) this.#control = null;
   }
 
-  /** Ends planning: the server ends the engine. What was found stays. */
+  /** Cancels planning; the server stops the engine. Plans found before are kept. */
   cancel(): void {
     const control = this.#control;
     if (!control) return;
@@ -143,7 +143,7 @@ export class Planner {
     this.planning.value = { state: "cancelled", end: { reason: "cancelled", after_ms } };
   }
 
-  /** Forgets the answer. */
+  /** Discards the plans. */
   dismiss(): void {
     this.found.value = null;
     this.before.value = null;
@@ -163,12 +163,12 @@ function wordsOfError(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
 
-/** The predicates and types of the pool that was read last: what other skills may be made of as well. */
+/** Predicates and types of the last pool that was read, offered for other skills, too. */
 export const knownWords = signal<PddlWords>({ signatures: [], objects: [], types: {} });
 
 const PLANNERS = new WeakMap<MachineSession, Planner>();
 
-/** The planner beside a machine: the same as long as the machine is open here. */
+/** Planner of a machine. It is reused while the machine is open in this page. */
 export function plannerOf(
   session: MachineSession,
   server: Pick<Server, "request" | "lines">,
