@@ -1,12 +1,12 @@
-/** Texts that somebody is still writing: scripts and descriptions that are not applied to the machine yet. They live in the
- * browser's storage, each under a key of its own, until they are applied or given up. */
+/** Drafts of scripts and descriptions: texts that are not applied to the machine yet. Each is stored in the browser under its own
+ * key until it is applied or discarded. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import { BROWSER_STORE, type LocalStore } from "../local_store.ts";
 
-/** Whose text it is. */
+/** Owner of a draft. */
 export interface DraftPlace {
-  /** The server's id of the machine, which is the same whenever its folder is opened. */
+  /** The server's id of the machine. It is constant for a folder. */
   readonly machine: string;
   readonly path: string;
   readonly field: "script" | "description";
@@ -14,7 +14,7 @@ export interface DraftPlace {
 
 export interface FieldDraft extends DraftPlace {
   readonly text: string;
-  /** What the machine said when the draft was begun: if it says something else now, somebody else has changed it. */
+  /** Text of the machine when the draft began. A different text now means that somebody else has changed it. */
   readonly base: string;
 }
 
@@ -23,7 +23,7 @@ export interface Drafts {
   readonly get: (place: DraftPlace) => FieldDraft | undefined;
   readonly keep: (draft: FieldDraft) => void;
   readonly drop: (place: DraftPlace) => void;
-  /** Lets the drafts of a state and of those inside it follow to another path. */
+  /** Moves the drafts of a state, and of the states inside it, to another path. */
   readonly move: (machine: string, from: string, to: string) => void;
 }
 
@@ -33,7 +33,7 @@ export function draftKey({ machine, path, field }: DraftPlace): string {
   return `${machine}:${field}:${path}`;
 }
 
-/** The drafts that lie in this store; one that finds no room there lives as long as the page. */
+/** Drafts in this store. A draft that cannot be stored lasts as long as the page. */
 export function openDrafts(store: LocalStore): Drafts {
   const all = signal(stored(store));
   const drop = (place: DraftPlace) => {
@@ -71,5 +71,5 @@ function isDraft(value: unknown): value is FieldDraft {
   return isText && (field === "script" || field === "description");
 }
 
-/** The drafts of this browser. */
+/** Drafts of this browser. */
 export const drafts: Drafts = openDrafts(BROWSER_STORE);

@@ -1,4 +1,4 @@
-/** Drafts follow their states: to another id or container, into a group, out of one, and back by an undo. */
+/** Moves drafts along with their states: to another id or container, into a group, out of one, and back by an undo. */
 
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
@@ -42,7 +42,8 @@ function renewed(
   return known;
 }
 
-/** Where the state of a draft stands now: where its id and text came; if it has just gone, where its text came alone. */
+/** New path of a draft's state: the only new state with its id and text. If the state has just disappeared, a new state that only
+ * has its text also qualifies. Null without exactly one match. */
 function placeOf(
   draft: FieldDraft,
   machine: Machine,

@@ -1,23 +1,22 @@
-/** The content of libraries at the library states that run them, to any depth, as far as it is here. Knows where a path leads;
- * never who loads what is missing. */
+/** Content of libraries below the library states that run them, to any depth, as far as it is loaded. Resolves paths; loads nothing. */
 
 import type { LibraryDocument, StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { childPath, idOf, parentOf } from "../../model/path.ts";
 
-/** Names a library: its path and name, joined by `/`. */
+/** Key of a library: its path and name, joined by `/`. */
 export type LibraryKey = string;
 
 export function libraryKey(library: LibraryDocument): LibraryKey {
   return library.path === "" ? library.name : `${library.path}/${library.name}`;
 }
 
-/** The content of a library, if it is here. */
+/** Returns the content of a library, if it is loaded. */
 export type ContentOf = (key: LibraryKey) => Machine | undefined;
 
 interface GraftedState {
   readonly content: Machine;
-  /** The path in there. */
+  /** Path inside the library. */
   readonly inner: string;
 }
 
@@ -34,7 +33,7 @@ export class Graft {
     this.#contentOf = contentOf;
   }
 
-  /** To be called when a library state, or the content of a library, is another one. */
+  /** Clears the cache. Call it when a library state, or the content of a library, has changed. */
   forget(): void {
     this.#found.clear();
     this.#children.clear();
@@ -46,7 +45,7 @@ export class Graft {
     return found?.content.state(found.inner);
   }
 
-  /** Inside a library, or of a library state. */
+  /** Children of a state inside a library, or of a library state. */
   children(path: string): readonly string[] {
     let children = this.#children.get(path);
     if (!children) {

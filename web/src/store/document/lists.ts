@@ -1,4 +1,4 @@
-/** The lists of a state: elements with an id, by rising id; a list that is empty is left out. */
+/** Lists of a state: elements with an id, in ascending order; empty lists are omitted. */
 
 import type { StateDocument } from "../../model/generated/protocol.ts";
 
@@ -14,7 +14,7 @@ type ListName =
   | "transitions"
   | "data_flows";
 
-/** The list with this element in the place of its id, or without the element of this id. */
+/** The list with this element under its id; without an element, the list without this id. */
 export function placed<T extends Numbered>(
   list: readonly T[] | undefined,
   id: number,
@@ -26,7 +26,7 @@ export function placed<T extends Numbered>(
   return others.toSpliced(at < 0 ? others.length : at, 0, element);
 }
 
-/** The state with another list. */
+/** The state with one list replaced. */
 export function withList<N extends ListName>(
   state: StateDocument,
   name: N,

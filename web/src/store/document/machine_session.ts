@@ -1,4 +1,4 @@
-/** An open machine in the page: what is shown, what is on its way, who else is there. */
+/** An open machine in the page: its content, pending edits and other users. */
 
 import type { ReadonlySignal } from "@preact/signals-core";
 import type {
@@ -11,21 +11,21 @@ import type {
 import type { Machine } from "../../model/machine.ts";
 import type { StepChange } from "./step_change.ts";
 
-/** An edit that was made here and not answered yet: it is shown already where it can be predicted. */
+/** An edit that was made here and has no answer yet. Its effect is shown if it can be predicted. */
 export interface PendingEdit {
   readonly id: string;
   readonly name: string;
   readonly since_ms: number;
 }
 
-/** What became of an edit. */
+/** Result of an edit. */
 export type EditAnswer = { readonly revision: number } | { readonly refused: string };
 
 export function wasRefused(answer: EditAnswer): answer is { readonly refused: string } {
   return "refused" in answer;
 }
 
-/** What became of a jump. `code` says why it was refused, for programs. */
+/** Result of a jump. `code` is the machine-readable reason of a refusal. */
 export type JumpAnswer =
   | { readonly revision: number }
   | { readonly refused: string; readonly code: string };
@@ -35,54 +35,54 @@ export interface ProposedEdit {
   readonly edit: Edit;
 }
 
-/** A layout that is shown although the machine does not have it: the next edit or save makes it first. */
+/** A layout that is shown before the machine has it. The next edit or save applies it first. */
 export interface LayoutProposal {
   readonly shown: ReadonlySignal<ProposedEdit | null>;
   /** True while a machine without a drawing waits for its automatic layout. */
   readonly isDue: ReadonlySignal<boolean>;
   readonly show: (edit: ProposedEdit) => void;
-  /** Makes it an edit, if there is one. */
+  /** Applies the proposal as an edit, if there is one. */
   readonly keep: () => Promise<void>;
 }
 
 export interface MachineSession {
-  /** The server's id of the open machine; another one if it had to be opened anew in another folder. */
+  /** The server's id of the open machine. It changes if the machine has to be reopened in another folder. */
   readonly id: string;
-  /** Why nothing of it can be edited; null if it can be, as far as rights go. */
+  /** Reason why the machine cannot be edited, apart from rights; null if it can. */
   readonly fixed: string | null;
-  /** What is shown: the confirmed machine with pending edits upon it. The object stays; `version` tells of changes. */
+  /** Machine on display: the confirmed machine with pending edits applied. The object stays; `version` changes with its content. */
   readonly machine: Machine;
   readonly version: ReadonlySignal<number>;
-  /** Told after each change: the paths of states that are different, or null for all. Returns the way to stop. */
+  /** Calls the listener after each change with the paths of changed states, or null for all. Returns a function that removes it. */
   readonly onChange: (listener: (touched: ReadonlySet<string> | null) => void) => () => void;
-  /** The latest truth of the server; null before it came. */
+  /** Latest status from the server; null before the first. */
   readonly status: ReadonlySignal<MachineStatus | null>;
-  /** Others who look at the machine. */
+  /** Other users who have the machine open. */
   readonly people: ReadonlySignal<readonly Presence[]>;
   readonly pending: ReadonlySignal<readonly PendingEdit[]>;
-  /** The steps that are known, the oldest first: a tree. */
+  /** Known steps, the oldest first, as a tree. */
   readonly steps: ReadonlySignal<MachineSteps>;
-  /** What a step changed, if it was told since the page follows the machine and not too long ago. */
+  /** Change of a step; undefined if it was made before the page followed the machine, or too long ago. */
   readonly stepChange: (revision: number) => StepChange | undefined;
-  /** The revision that the confirmed machine is at. */
+  /** Revision of the confirmed machine. */
   readonly revision: ReadonlySignal<number>;
-  /** What is wrong with the machine, as of the last change that settled. */
+  /** Problems of the machine, as of its last settled change. */
   readonly problems: ReadonlySignal<readonly MachineProblem[]>;
-  /** A text for people, with the names of states in the place of their paths. */
+  /** Replaces state paths by names in a text for people. */
   readonly named: (text: string) => string;
-  /** Whether the problems are those of the machine as it is now; never true of the machine of a run, which nobody checks. */
+  /** True if the problems are up to date. Always false for the machine of a run, which is not checked. */
   readonly isChecked: ReadonlySignal<boolean>;
-  /** Has the machine checked as it is now; null if that cannot be done. */
+  /** Checks the machine in its current form; null if that fails. */
   readonly check: () => Promise<readonly MachineProblem[] | null>;
-  /** An automatic layout of a machine without a drawing; missing where nothing can be edited. */
+  /** Automatic layout of a machine without a drawing; missing if it cannot be edited. */
   readonly proposal?: LayoutProposal;
-  /** Makes an edit. Never throws; what is refused is also told to the user. */
+  /** Makes an edit. Never throws; refusals are also reported to the user. */
   readonly edit: (name: string, edit: Edit) => Promise<EditAnswer>;
   readonly undo: () => Promise<EditAnswer>;
   readonly redo: () => Promise<EditAnswer>;
-  /** Makes the machine what it was at a revision; refused with `others_edits` if that takes steps of others away unasked. */
+  /** Restores the machine of a revision. Without `overOthers`, it is refused with `others_edits` if that undoes steps of other users. */
   readonly jump: (revision: number, overOthers: boolean) => Promise<JumpAnswer>;
-  /** Gets the content of the library at this library state, to be shown in place. Why it cannot be had is told to the user. */
+  /** Loads the content of the library at this library state, to show it in place. Failures are reported to the user. */
   readonly loadLibrary: (path: string) => Promise<void>;
   readonly close: () => void;
 }

@@ -1,10 +1,10 @@
-/** Names of states that may lie in a library whose content is not here yet: it is loaded for them. */
+/** Names of states that may be inside a library. Loads the content of libraries as needed. */
 
 import type { Machine } from "../../model/machine.ts";
 import { idOf, lineage } from "../../model/path.ts";
 import type { MachineSession } from "./machine_session.ts";
 
-/** The name of a state; its id if the machine does not have it, with all libraries around it loaded. */
+/** Name of a state, or its id if the machine does not have it after all libraries around it are loaded. */
 export async function nameSoon(
   session: {
     readonly machine: Pick<Machine, "state">;

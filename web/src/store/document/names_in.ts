@@ -1,20 +1,20 @@
-/** Puts the names of states in the place of their paths in what is said to people, also of those that somebody has taken away. */
+/** Replaces state paths by names in texts for people, also for removed states. */
 
 interface Gone {
   readonly name: string;
   readonly who: string;
 }
 
-/** So many are remembered, the last ones. */
+/** Capacity of the removed states. The oldest are dropped. */
 const REMEMBERED = 1_000;
-/** With a slash, or the id of a root alone. */
+/** A path with a slash, or the id of a root. */
 const PATH = /[^\s:,;.“”"]*\/[^\s:,;.“”"]*|\b[A-Z]{6}\b/g;
 const SOMEBODY = "someone may have removed it";
 
 export class GoneStates {
   readonly #gone = new Map<string, Gone>();
 
-  /** Remembers a state that was taken away, and who did it. */
+  /** Remembers a removed state and who removed it. */
   note(path: string, name: string, who: string): void {
     this.#gone.delete(path);
     this.#gone.set(path, { name, who });
@@ -24,7 +24,7 @@ export class GoneStates {
     }
   }
 
-  /** The text with names; `alive` tells those of states that are there. */
+  /** The text with names. `alive` returns the names of existing states. */
   named(text: string, alive: (path: string) => string | undefined): string {
     let who: string | null = null;
     const named = text.replace(PATH, (path) => {
@@ -41,7 +41,7 @@ export class GoneStates {
   }
 }
 
-/** The same where nothing is ever taken away. */
+/** The text with names, for a machine from which no state is removed. */
 export function withNames(text: string, alive: (path: string) => string | undefined): string {
   return new GoneStates().named(text, alive);
 }

@@ -1,5 +1,5 @@
-/** An open machine as the server has told it, kept up by changes; and upon it, to be rolled back at any time, what edits under way
- * will do. Knows documents and changes; never where they come from. */
+/** An open machine as the server sent it, updated by its changes. The predicted effects of pending edits are applied on top and can
+ * be rolled back at any time. Knows documents and changes; never their source. */
 
 import type {
   Change,
@@ -15,21 +15,21 @@ import { placed, withList } from "./lists.ts";
 import type { Write } from "./predict/predicted_machine.ts";
 import { type Earlier, States } from "./states.ts";
 
-/** Paths of states that are different; null: all may be. */
+/** Paths of changed states; null if all may have changed. */
 export type TouchedPaths = ReadonlySet<string> | null;
 
-/** So many versions back it is known what was different. */
+/** Capacity of the version history. */
 const REMEMBERED = 16;
 
 export class OptimisticDocument implements Machine {
   readonly #states = new States();
   readonly #graft: Graft;
   #version = 1;
-  /** What the last versions were made by. */
+  /** The last versions with the paths that they changed. */
   #history: { readonly version: number; readonly touched: TouchedPaths }[] = [];
   #root = "";
   #header: HeaderDocument;
-  /** What stood where something was predicted. */
+  /** Original states and header of predicted changes; null without predictions. */
   #optimistic: { states: ReturnType<States["watch"]>; header: HeaderDocument } | null = null;
 
   constructor(document: Document, contentOf: ContentOf) {
@@ -66,7 +66,7 @@ export class OptimisticDocument implements Machine {
     return this.#states.paths(this.#root);
   }
 
-  /** Does the work, and says what came of it. A state that is the same again stays the same object. */
+  /** Runs `work` and returns the paths of changed states. A state with equal content keeps its object. */
   transact(work: () => void): TouchedPaths {
     const { earlier, stop } = this.#states.watch();
     const header = this.#header;
@@ -88,7 +88,7 @@ export class OptimisticDocument implements Machine {
     return touched;
   }
 
-  /** Another machine from now on; nothing is predicted. */
+  /** Replaces the machine and drops all predictions. */
   reset(document: Document): void {
     this.#optimistic?.states.stop();
     this.#optimistic = null;
@@ -97,7 +97,7 @@ export class OptimisticDocument implements Machine {
     this.libraryChanged();
   }
 
-  /** The content of a library is another one. */
+  /** Call it when the content of a library has changed. */
   libraryChanged(): void {
     this.#graft.forget();
     this.#nextVersion(null);
@@ -120,7 +120,7 @@ export class OptimisticDocument implements Machine {
     if (this.#history.length > REMEMBERED) this.#history.shift();
   }
 
-  /** Rolls back what was predicted. */
+  /** Rolls back all predictions. */
   rollback(): void {
     if (!this.#optimistic) return;
     const { states, header } = this.#optimistic;
@@ -130,7 +130,7 @@ export class OptimisticDocument implements Machine {
     this.#header = header;
   }
 
-  /** What the server tells of one revision; gives what stood there before. Nothing may be predicted meanwhile. */
+  /** Applies the changes of one revision and returns the replaced states. Roll back predictions first. */
   confirm(changes: readonly Change[]): Earlier {
     const { earlier, stop } = this.#states.watch();
     for (const change of changes) this.#change(change);
@@ -138,7 +138,7 @@ export class OptimisticDocument implements Machine {
     return earlier;
   }
 
-  /** Shows what an edit will do. */
+  /** Applies the predicted writes of an edit. */
   applyOptimistic(writes: readonly Write[]): void {
     this.#optimistic ??= { states: this.#states.watch(), header: this.#header };
     for (const write of writes) {
@@ -183,7 +183,7 @@ export class OptimisticDocument implements Machine {
   }
 }
 
-/** A state that comes without its connections keeps those that it has. */
+/** A state that is sent without connections keeps its current ones. */
 function withConnections(state: StateDocument, earlier: StateDocument | undefined): StateDocument {
   const { transitions, data_flows } = earlier ?? {};
   return {

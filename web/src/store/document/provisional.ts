@@ -1,5 +1,5 @@
-/** A machine with an edit upon it that is not made: what a gesture shows while it goes on. It is predicted as an edit that waits for
- * its answer is; never written anywhere. */
+/** A machine with an edit applied that is not made yet, to show during a gesture. The prediction is that of a pending edit. It is
+ * never stored. */
 
 import type { Edit, StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
@@ -7,11 +7,11 @@ import { predictedWrites } from "./predict/predict.ts";
 
 export interface ProvisionalMachine {
   readonly machine: Machine;
-  /** Paths of the states that are different. */
+  /** Paths of changed states. */
   readonly touched: Iterable<string>;
 }
 
-/** The machine as the edit would make it; null if that is not known, or if states would come or go. */
+/** The machine after the edit; null if that is unknown, or if states would be added or removed. */
 export function provisional(machine: Machine, edit: Edit): ProvisionalMachine | null {
   const states = new Map<string, StateDocument>();
   for (const write of predictedWrites(machine, edit) ?? []) {

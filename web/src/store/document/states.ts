@@ -1,12 +1,12 @@
-/** States by path with their children in order, and what stood at each path before it was written: so that what was written can
- * be taken back, and what came of it told. */
+/** States by path, with their children in order. Records the earlier state at each written path, to roll back writes and to report
+ * what changed. */
 
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
 
 const NONE: readonly string[] = [];
 
-/** What stood at a path when it was written for the first time; undefined: nothing. */
+/** State at each path before its first write; undefined if there was none. */
 export type Earlier = Map<string, StateDocument | undefined>;
 
 export class States {
@@ -14,7 +14,7 @@ export class States {
   readonly #children = new Map<string, readonly string[]>();
   readonly #watching = new Set<Earlier>();
 
-  /** Takes these states, a state before its children and those by rising id, instead of all others. */
+  /** Replaces all states by these: parents before children, siblings by ascending id. */
   fill(documents: readonly StateDocument[]): void {
     this.#states.clear();
     this.#children.clear();
@@ -34,12 +34,12 @@ export class States {
     return this.#states.get(path);
   }
 
-  /** Undefined if there are none. */
+  /** Undefined without children. */
   children(path: string): readonly string[] | undefined {
     return this.#children.get(path);
   }
 
-  /** A state before its children, those by rising id. */
+  /** Parents before children, siblings by ascending id. */
   *paths(root: string): Iterable<string> {
     const open = this.#states.has(root) ? [root] : [];
     for (let path = open.pop(); path !== undefined; path = open.pop()) {
@@ -53,19 +53,19 @@ export class States {
     this.#write(document.path, document);
   }
 
-  /** Takes the state away with everything inside it. */
+  /** Removes the state with all states inside it. */
   remove(path: string): void {
     for (const inner of [...this.paths(path)].reverse()) this.#write(inner, undefined);
   }
 
-  /** From now on remembers what stood where something is written, until it is told to stop. */
+  /** Records the earlier state at each written path until `stop` is called. */
   watch(): { readonly earlier: Earlier; readonly stop: () => void } {
     const earlier: Earlier = new Map();
     this.#watching.add(earlier);
     return { earlier, stop: () => void this.#watching.delete(earlier) };
   }
 
-  /** Writes back what stood there. */
+  /** Restores the earlier states. */
   restore(earlier: Earlier): void {
     for (const [path, document] of earlier) this.#write(path, document);
   }
@@ -79,7 +79,7 @@ export class States {
     if (!before !== !document) this.#line(path, document !== undefined);
   }
 
-  /** Puts the path in line with its siblings, or takes it out. */
+  /** Inserts the path among its siblings, or removes it. */
   #line(path: string, isThere: boolean): void {
     const parent = parentOf(path);
     if (parent === null) return;

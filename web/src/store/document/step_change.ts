@@ -1,4 +1,4 @@
-/** What a step changed: the states that it touched as they were before and after, with those around them for their names. */
+/** Change of a step: the affected states before and after it, with the states around them for their names. */
 
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
@@ -11,12 +11,12 @@ export interface StepChange {
   readonly after: Machine;
 }
 
-/** Names of so many children of a container are kept. */
+/** Greatest number of children per container that are kept for their names. */
 const CHILDREN_MAX = 300;
-/** So many steps are remembered. */
+/** Capacity of the step changes. */
 const CHANGES_MAX = 200;
 
-/** The change from what stood there earlier, and of the machine as it is now. */
+/** Change from the earlier states to the current machine. */
 export function stepChangeOf(earlier: Earlier, now: Machine): StepChange {
   const paths = new Set<string>();
   for (const path of earlier.keys()) {
@@ -33,7 +33,7 @@ export function stepChangeOf(earlier: Earlier, now: Machine): StepChange {
   };
 }
 
-/** Step changes by revision; the oldest are given up. */
+/** Step changes by revision. The oldest are dropped. */
 export class StepChanges {
   readonly #changes = new Map<number, StepChange>();
 

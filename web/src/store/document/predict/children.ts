@@ -1,4 +1,4 @@
-/** Foretells states that come and go. */
+/** Predicts the addition and removal of states. */
 
 import type { Edit, OutcomeDocument, StateDocument } from "../../../model/generated/protocol.ts";
 import {
@@ -20,7 +20,7 @@ const MANDATORY: readonly OutcomeDocument[] = [
   { id: ABORTED, name: "aborted" },
 ];
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function children(predicted: PredictedMachine, edit: Edit): boolean {
   if (edit.edit === "add_state") return add(predicted, edit.path, edit.states);
   if (edit.edit === "remove_state") return remove(predicted, edit.path, edit.state);
@@ -32,7 +32,7 @@ function add(predicted: PredictedMachine, path: string, states: readonly StateDo
   const [first] = states;
   if (!parent || !isContainer(parent) || !first) return false;
   if (predicted.state(childPath(path, first.path))) return false;
-  // The interface of a library is the library's.
+  // The interface of a library is defined in the library.
   if (states.some((state) => state.library && !state.outcomes)) return false;
   for (const state of states) predicted.put(whole(path, state));
   const decider = childPath(first.path, DECIDER);
@@ -43,7 +43,7 @@ function add(predicted: PredictedMachine, path: string, states: readonly StateDo
   return true;
 }
 
-/** The state at its place, with the outcomes that each state has. */
+/** The state at its path, with the mandatory outcomes. */
 function whole(parent: string, state: StateDocument): StateDocument {
   const missing = MANDATORY.filter(({ id }) => !outcomesOf(state).some((other) => other.id === id));
   const outcomes = [...missing, ...outcomesOf(state)].sort((one, other) => one.id - other.id);
@@ -55,7 +55,7 @@ function newDecider(path: string): StateDocument {
   return { path, name: "Decider", kind: "decider", outcomes };
 }
 
-/** In a barrier, what a child can end with leads to the decider. */
+/** Connects the outcomes of a barrier's child to the decider. */
 export function lead(
   predicted: PredictedMachine,
   parent: StateDocument,

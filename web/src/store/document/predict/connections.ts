@@ -1,4 +1,4 @@
-/** Foretells edits of transitions and data flows. */
+/** Predicts edits of transitions and data flows. */
 
 import type {
   DataFlowDocument,
@@ -15,7 +15,7 @@ import { update } from "./own.ts";
 import { placeKey, withoutPlaces } from "./places.ts";
 import type { PredictedMachine } from "./predicted_machine.ts";
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function connections(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "add_transition":
@@ -39,7 +39,7 @@ export function connections(predicted: PredictedMachine, edit: Edit): boolean {
   }
 }
 
-/** Takes connections out of a container, with their places; false if one of them is not there. */
+/** Removes connections of a container, with their positions; false if one of them does not exist. */
 export function drop(
   predicted: PredictedMachine,
   path: string,
@@ -61,12 +61,12 @@ export function drop(
   return gone - left.length - leftFlows.length === transitions.length + dataFlows.length;
 }
 
-/** The id that the next transition of a container gets. */
+/** Id of the next transition of a container. */
 export function nextTransition(state: StateDocument): number {
   return Math.max(0, ...transitionsOf(state).map(({ id }) => id)) + 1;
 }
 
-/** A transition that leads elsewhere in the container. */
+/** The transition with another target in the container. */
 function withGoal(
   transition: TransitionDocument,
   to: Goal,
@@ -157,7 +157,7 @@ function source({ state, port }: { readonly state: string; readonly port: number
   return { from_state: state, from_port: port };
 }
 
-/** `next` gives nothing if it cannot be done. */
+/** `next` returns undefined if the edit is impossible. */
 function setFlow(
   predicted: PredictedMachine,
   path: string,

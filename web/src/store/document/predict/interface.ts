@@ -1,4 +1,4 @@
-/** Foretells edits of outcomes and ports, with the connections that go along. */
+/** Predicts edits of outcomes and ports, including their connections. */
 
 import type {
   Edit,
@@ -24,7 +24,7 @@ import type { PredictedMachine } from "./predicted_machine.ts";
 const LISTS = { input: "inputs", output: "outputs", scoped_variable: "scoped_variables" } as const;
 const KINDS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function ownInterface(predicted: PredictedMachine, edit: Edit): boolean {
   const state = "path" in edit ? predicted.state(edit.path) : undefined;
   if (!state || (state.library && !state.library.missing)) return false;

@@ -1,4 +1,4 @@
-/** Foretells states that go elsewhere, copies of them that are pasted, and states that get another id. */
+/** Predicts moves and pastes of states, and changes of their ids. */
 
 import type {
   DataFlowDocument,
@@ -14,7 +14,7 @@ import { lead, remove } from "./children.ts";
 import { nextTransition } from "./connections.ts";
 import type { PredictedMachine } from "./predicted_machine.ts";
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function moved(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "move_states":
@@ -38,7 +38,7 @@ function move(predicted: PredictedMachine, { path, states, to, ids }: Move): boo
   return states.every((id) => remove(predicted, path, id)) && paste(predicted, to, selection, ids);
 }
 
-/** The states with what is between them. */
+/** The states with the connections between them. */
 function taken(
   predicted: PredictedMachine,
   container: StateDocument,
@@ -88,7 +88,7 @@ function paste(
   return true;
 }
 
-/** The state at its new place; the roots among them may get other ids. */
+/** The state at its new path. Root states may get new ids. */
 function elsewhere(
   state: StateDocument,
   container: string,
@@ -151,7 +151,7 @@ function setId(predicted: PredictedMachine, path: string, id: string): boolean {
   return true;
 }
 
-/** The state with connections at another id instead of the old one. */
+/** The state with its connections moved from the old id to another one. */
 function withEnds(state: StateDocument, old: string, id: string): StateDocument {
   if (!isContainer(state) || old === id) return state;
   const end = <T extends string | null | undefined>(at: T) => (at === old ? id : at);

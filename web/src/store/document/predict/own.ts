@@ -1,4 +1,4 @@
-/** Foretells edits of a state itself, of its runtime values and of the machine as a whole. */
+/** Predicts edits of a state itself, of its runtime values and of the header of the machine. */
 
 import type {
   Edit,
@@ -11,7 +11,7 @@ import type { PredictedMachine } from "./predicted_machine.ts";
 
 type EditOf<K extends Edit["edit"]> = Extract<Edit, { edit: K }>;
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function own(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "set_name":
@@ -35,7 +35,7 @@ export function own(predicted: PredictedMachine, edit: Edit): boolean {
   }
 }
 
-/** Puts another state in the place of the one there; false if there is none. */
+/** Replaces a state; false if it does not exist. */
 export function update(
   predicted: PredictedMachine,
   path: string,
@@ -46,7 +46,7 @@ export function update(
   return state !== undefined;
 }
 
-/** Sets a field; null takes it out. */
+/** Sets a field; null removes it. */
 export function setField<K extends "description" | "semantic_data" | "script" | "layout">(
   predicted: PredictedMachine,
   path: string,
@@ -72,7 +72,7 @@ function runtimeValue(port: number, value: JsonValue, used: boolean): RuntimeVal
 
 type ValueEdit = EditOf<"set_runtime_value" | "use_runtime_value" | "remove_runtime_value">;
 
-/** `next` gives null to take the value out, and nothing if it cannot be done. */
+/** `next` returns null to remove the value, and undefined if the edit is impossible. */
 function setValue(
   predicted: PredictedMachine,
   edit: ValueEdit,

@@ -1,4 +1,4 @@
-/** Foretells where things stand on the screen: the keys of the reference's layout (docs/format.md). */
+/** Predicts positions on the screen, by the keys of the reference's layout (docs/format.md). */
 
 import type {
   Edit,
@@ -9,7 +9,7 @@ import type {
 import { setField, update } from "./own.ts";
 import type { PredictedMachine } from "./predicted_machine.ts";
 
-/** Writes what the edit does; false if it is another kind of edit, or if only the server knows. */
+/** Predicts the edit; false if it is of another kind, or if only the server knows its effect. */
 export function places(predicted: PredictedMachine, edit: Edit): boolean {
   switch (edit.edit) {
     case "set_position":
@@ -25,7 +25,7 @@ export function places(predicted: PredictedMachine, edit: Edit): boolean {
   }
 }
 
-/** The state without the places of elements that are gone, by their keys in the layout. */
+/** The state without the positions of removed elements, by their keys in the layout. */
 export function withoutPlaces(state: StateDocument, keys: readonly string[]): StateDocument {
   const { layout } = state;
   if (!layout || !keys.some((key) => key in layout)) return state;
@@ -35,7 +35,7 @@ export function withoutPlaces(state: StateDocument, keys: readonly string[]): St
   return left ? { ...rest, layout: left } : (rest as StateDocument);
 }
 
-/** A layout that says nothing is none. */
+/** Null for an empty layout. */
 function unlessEmpty(layout: LayoutDocument | null): LayoutDocument | null {
   return layout && Object.keys(layout).length > 0 ? layout : null;
 }
@@ -49,7 +49,7 @@ const PREFIXES: Record<string, string> = {
   data_flow: "data_flow",
 };
 
-/** The key under which the layout of a state has the place of an element. */
+/** Key of an element's position in the layout of its state. */
 export function placeKey(kind: string, id: number): string {
   return `${PREFIXES[kind] ?? kind}${id}`;
 }
@@ -72,7 +72,7 @@ function setPlace(
   }));
 }
 
-/** The keys from the outside in. */
+/** Keys from the outside in. */
 function keysOf(element: Element): readonly string[] {
   if (element === "state") return ["gui", "editor_gaphas"];
   if (element === "name") return ["gui", "editor_gaphas", "name"];
@@ -89,7 +89,7 @@ function setAt(json: LayoutDocument, keys: readonly string[], value: unknown): L
   return { ...json, [key]: setAt(isObject ? (inner as LayoutDocument) : {}, rest, value) };
 }
 
-/** A point as the file has it. */
+/** A point in the notation of the file. */
 function tuple([x, y]: readonly [number, number]): unknown {
   return { __jsonqualname__: "__builtin__.tuple", items: [x, y] };
 }

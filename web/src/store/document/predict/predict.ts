@@ -1,4 +1,4 @@
-/** What an edit will do, before the server has said so. Only what is sure is predicted: rules are the server's. */
+/** Predicts the effect of an edit before the server confirms it. Only certain effects are predicted; the server enforces the rules. */
 
 import type { Edit } from "../../../model/generated/protocol.ts";
 import type { Machine } from "../../../model/machine.ts";
@@ -10,13 +10,13 @@ import { own } from "./own.ts";
 import { places } from "./places.ts";
 import { PredictedMachine, type Write } from "./predicted_machine.ts";
 
-/** The writes that the edit comes to; null if only the server knows. */
+/** Writes of the edit; null if only the server knows its effect. */
 export function predictedWrites(machine: Machine, edit: Edit): readonly Write[] | null {
   const predicted = new PredictedMachine(machine);
   return write(predicted, edit) ? predicted.writes : null;
 }
 
-/** What comes by the thousand is looked for first. */
+/** The most frequent edits first. */
 const KINDS = [places, own, ownInterface, connections, children, moved];
 
 function write(predicted: PredictedMachine, edit: Edit): boolean {

@@ -1,4 +1,4 @@
-/** What an edit will do, said as writes upon a machine that are not made yet. */
+/** Predicted effect of an edit: pending writes on a machine. */
 
 import type { HeaderDocument, StateDocument } from "../../../model/generated/protocol.ts";
 import type { Machine } from "../../../model/machine.ts";
@@ -9,7 +9,7 @@ export type Write =
   | { readonly remove: string }
   | { readonly header: HeaderDocument };
 
-/** The machine with what was written so far. */
+/** The machine with the pending writes applied. */
 export class PredictedMachine {
   readonly writes: Write[] = [];
   readonly #machine: Machine;
@@ -30,7 +30,7 @@ export class PredictedMachine {
     return this.#header;
   }
 
-  /** The state; nothing inside of libraries. */
+  /** The state; undefined inside libraries. */
   state(path: string): StateDocument | undefined {
     const own = this.#states.get(path);
     if (own) return own;
@@ -42,7 +42,7 @@ export class PredictedMachine {
     return this.#hasRemoved && lineage(path).some((outer) => this.#states.get(outer) === null);
   }
 
-  /** The state and all inside it, but for libraries. */
+  /** The state and all states inside it, except inside libraries. */
   inside(path: string): readonly StateDocument[] {
     const paths = new Set<string>();
     const open = [path];
