@@ -1,9 +1,9 @@
-/** Which call an event of a run is about. */
+/** Finds the call that an event of a run belongs to. */
 
 import { type Calls, NONE } from "./calls.ts";
 import { lowerBound } from "./column.ts";
 
-/** The call that begins or ends by the event, or whose state the event names; else the innermost one that was open then. */
+/** The call that the event begins or ends, or whose state it names; otherwise the innermost call open at that time. */
 export function callAbout(calls: Calls, index: number): number {
   const happening = calls.journal.at(index);
   const path = happening && pathOf(happening);
@@ -17,7 +17,7 @@ function pathOf(happening: NonNullable<ReturnType<Calls["journal"]["at"]>>): str
   return "path" in happening.event ? happening.event.path : "";
 }
 
-/** The last call of a state that began at the event or before; NONE if none did. */
+/** Last call of a state that began at this event or before it; NONE if none did. */
 function lastOf(calls: Calls, path: string, index: number): number {
   const all = calls.of(path);
   const behind = lowerBound(all.length, (place) => calls.begin(all[place] ?? NONE) <= index);

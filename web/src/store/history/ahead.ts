@@ -1,9 +1,9 @@
-/** Values of a robot's run that are here before their events, as the server tells them. */
+/** Values of a robot's run that the server sends ahead of their events. */
 
 import type { WatchedValue, Watching } from "../../model/generated/protocol.ts";
 
 export interface AheadValues {
-  /** Whether the robot knows what is watched; null: it is not asked. */
+  /** State of the watch request to the robot; null if none is sent. */
   readonly watching: Watching | null;
   readonly values: ReadonlyMap<string, WatchedValue>;
 }

@@ -1,5 +1,5 @@
-/** The calls of a run: each entry of a state with its end, nested as they happened. Read from the journal as it grows, each event
- * once; knows nothing of how they are shown. */
+/** Calls of a run: each entry of a state with its end, nested in the order of events. The journal is read as it grows, each event
+ * once. Independent of their display. */
 
 import type { Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
@@ -7,16 +7,16 @@ import { perOwner } from "../../model/per_owner.ts";
 import { NumberColumn } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
-/** How a call ended. */
+/** The call has not ended. */
 export const OPEN = 0;
-/** By an outcome. */
+/** The call ended with an outcome. */
 const ENDED = 1;
-/** Backwards: to where it stood before. */
+/** The call was left backwards by a step back. */
 export const TAKEN_BACK = 2;
-/** Without an outcome: the run went back, or its runner died. */
+/** The call ended without an outcome: the run went back, or its runner died. */
 export const DROPPED = 3;
 
-/** No call, no event. */
+/** Marks a missing call or event. */
 export const NONE = -1;
 
 const NO_CALLS: readonly number[] = [];
@@ -29,14 +29,14 @@ export class Calls {
   readonly #path = new NumberColumn(Int32Array);
   readonly #parent = new NumberColumn(Int32Array);
   readonly #depth = new NumberColumn(Int32Array);
-  /** The calls inside a call, in order. */
+  /** Calls inside each call, in order. */
   readonly #inside = new Map<number, number[]>();
   readonly #roots: number[] = [];
-  /** The call of each state that is open, by the number of its path. */
+  /** Open call of each active state, by the number of its path. */
   readonly #open = new Map<number, number>();
   readonly #ofPath = new Map<number, number[]>();
   readonly #numbers = new Map<string, number>();
-  /** The number of the path around each path, NONE of the root's. */
+  /** Number of each path's parent path; NONE for the root. */
   readonly #parentPath: number[] = [];
   readonly #concurrent = new Set<number>();
   #read = 0;
@@ -45,45 +45,45 @@ export class Calls {
     this.journal = journal;
   }
 
-  /** How many calls there are. */
+  /** Number of calls. */
   get length(): number {
     return this.#begin.length;
   }
 
-  /** How many events were read. */
+  /** Number of events that were read. */
   get read(): number {
     return this.#read;
   }
 
-  /** How many states were entered. */
+  /** Number of known paths. */
   get paths(): number {
     return this.#parentPath.length;
   }
 
-  /** States, by the number of their path, of which two children ran at once. */
+  /** States of which two children ran at once, by the numbers of their paths. */
   get concurrent(): ReadonlySet<number> {
     return this.#concurrent;
   }
 
-  /** Reads what the journal has more. */
+  /** Reads the new events of the journal. */
   follow(): void {
     const { journal } = this;
     for (; this.#read < journal.length; this.#read++) {
       const kind = journal.kind(this.#read);
       if (kind === ENTERED) this.#entered(this.#read);
-      // Of what was earlier only those calls are here that go on.
+      // The journal only has earlier calls that are still open.
       else if (this.#read < journal.first) continue;
       else if (kind === LEFT) this.#left(this.#read);
       else this.#other(this.#read);
     }
   }
 
-  /** The index in the journal of its entry. */
+  /** Index of the call's entry in the journal. */
   begin(call: number): number {
     return this.#begin.at(call);
   }
 
-  /** The index in the journal of its end; NONE while it goes on. */
+  /** Index of the call's end in the journal; NONE while it is open. */
   end(call: number): number {
     return this.#end.at(call);
   }
@@ -101,12 +101,12 @@ export class Calls {
     return this.journal.pathOf(this.#path.at(call));
   }
 
-  /** The call around it; NONE of a root. */
+  /** The call around it; NONE for a root. */
   parent(call: number): number {
     return call < 0 ? NONE : this.#parent.at(call);
   }
 
-  /** How many calls are around it. */
+  /** Number of calls around it. */
   depth(call: number): number {
     return this.#depth.at(call);
   }
@@ -115,7 +115,7 @@ export class Calls {
     return this.how(call) === ENDED ? this.journal.outcome(this.end(call)) : null;
   }
 
-  /** Whether it was entered backwards. */
+  /** True if it was entered backwards. */
   isBack(call: number): boolean {
     return this.journal.isBack(this.begin(call));
   }
@@ -124,13 +124,13 @@ export class Calls {
     return this.journal.t_ns(this.begin(call));
   }
 
-  /** When it ended; while it goes on, the time that is given. */
+  /** Time of its end; while it is open, `now_ns`. */
   ended_ns(call: number, now_ns: number): number {
     const end = this.end(call);
     return end === NONE ? Math.max(now_ns, this.began_ns(call)) : this.journal.t_ns(end);
   }
 
-  /** The calls inside a call, in order; of NONE those that nothing is around. */
+  /** Calls inside a call, in order; for NONE the outermost calls. */
   inside(call: number): readonly number[] {
     return (call === NONE ? this.#roots : this.#inside.get(call)) ?? NO_CALLS;
   }
@@ -141,17 +141,17 @@ export class Calls {
     return (number === undefined ? undefined : this.#ofPath.get(number)) ?? NO_CALLS;
   }
 
-  /** The number of the path of the state around; NONE of the root. */
+  /** Number of the parent path; NONE for the root. */
   parentPath(path: number): number {
     return this.#parentPath[path] ?? NONE;
   }
 
-  /** The last call that began at this event of the journal or before; NONE if there is none. */
+  /** Last call that began at this event of the journal or before it; NONE if none did. */
   lastAt(index: number): number {
     return this.#begin.firstFrom(index + 1) - 1;
   }
 
-  /** The innermost call that was open after this event, on the branch of what happened last; NONE if there is none. */
+  /** Innermost call that was open after this event, on the branch of the latest entry; NONE if none was. */
   openAt(index: number): number {
     let call = this.lastAt(index);
     while (call !== NONE && !this.isOpenAt(call, index)) call = this.parent(call);
@@ -186,7 +186,7 @@ export class Calls {
     inside.push(call);
   }
 
-  /** Whether one of these goes on. Of many, only the last ones can. */
+  /** True if one of these calls is open. Among siblings, only the last one is checked. */
   #hasOpen(calls: readonly number[]): boolean {
     const last = calls.at(-1);
     return last !== undefined && this.how(last) === OPEN;
@@ -206,7 +206,7 @@ export class Calls {
     }
   }
 
-  /** Ends the open call of a state, and what is open inside it. */
+  /** Ends the open call of a state, and all open calls inside it. */
   #close(path: number, index: number, how: number): void {
     const call = this.#open.get(path);
     if (call === undefined) return;
@@ -232,7 +232,7 @@ export class Calls {
     return at === outer;
   }
 
-  /** The number of a path, with those around it known as well. */
+  /** Returns the number of a path after registering all paths up to it. */
   #known(number: number): number {
     for (let next = this.#parentPath.length; next <= number; next++) {
       const path = this.journal.pathOf(next);
@@ -255,7 +255,7 @@ function listOf(lists: Map<number, number[]>, key: number): number[] {
 
 const knownCalls = perOwner((journal: Journal) => new Calls(journal));
 
-/** The calls of a journal, as far as it goes now. */
+/** Calls of a journal up to its current end. */
 export function callsOf(journal: Journal): Calls {
   const calls = knownCalls(journal);
   calls.follow();

@@ -1,4 +1,4 @@
-/** Numbers in a row that grows: a typed array with room to spare. */
+/** A growing list of numbers in a typed array with spare capacity. */
 
 type TypedArray = Float64Array | Int32Array | Uint8Array;
 
@@ -26,17 +26,17 @@ export class NumberColumn<A extends TypedArray> {
     this.#length += 1;
   }
 
-  /** Another number where one is. */
+  /** Replaces an existing number. */
   set(index: number, value: number): void {
     if (index < this.#length) this.#values[index] = value;
   }
 
-  /** 0 beyond the end. */
+  /** Returns 0 beyond the end. */
   at(index: number): number {
     return index < this.#length ? (this.#values[index] ?? 0) : 0;
   }
 
-  /** Of rising numbers, the index of the first that is no less; the length if all are. */
+  /** For ascending numbers: index of the first that is not less than the value; the length if all are less. */
   firstFrom(value: number): number {
     return lowerBound(this.#length, (place) => this.at(place) < value);
   }
@@ -48,7 +48,7 @@ export class NumberColumn<A extends TypedArray> {
   }
 }
 
-/** Of so many places in rising order, the first that does not lie before what is looked for; their number if all do. */
+/** Binary search: the first place for which `isBefore` is false; `length` if it is true for all. */
 export function lowerBound(length: number, isBefore: (place: number) => boolean): number {
   let [low, high] = [0, length];
   while (low < high) {

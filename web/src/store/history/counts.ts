@@ -1,26 +1,26 @@
-/** How often and how long states ran, counted while a run is told. */
+/** Counts and durations of states, updated as events of a run arrive. */
 
 import type { EarlierState, Outcome } from "../../model/generated/protocol.ts";
 
 export interface Count {
   readonly path: string;
-  /** How often it was entered; steps back are not counted. */
+  /** Number of entries, without steps back. */
   readonly entries: number;
-  /** How often it ran to its end, and how long altogether, at least and at most. */
+  /** Number of ends, and their durations: total, least and greatest. */
   readonly ends: number;
   readonly total_ns: number;
   readonly min_ns: number;
   readonly max_ns: number;
-  /** How long it ran the last times, at most `LENGTHS_MAX` of them, in no order. */
+  /** Durations of the last ends, at most `LENGTHS_MAX`, unordered. */
   readonly lengths_ns: readonly number[];
-  /** When it was entered last. */
+  /** Time of the last entry. */
   readonly entered_ns: number;
-  /** When it was left last; null if it never was. */
+  /** Time of the last end; null before the first. */
   readonly left_ns: number | null;
   readonly last: Outcome | null;
 }
 
-/** Of so many ends the length is kept, the newest: enough for what is usual. */
+/** Number of recent ends whose duration is kept: enough for a median. */
 export const LENGTHS_MAX = 31;
 
 type CountDraft = { -readonly [K in keyof Count]: Count[K] } & { readonly lengths_ns: number[] };
@@ -37,7 +37,7 @@ export class Counts {
     return this.#all.values();
   }
 
-  /** What a state had done before the first event that is told. */
+  /** Sets the counts of a state before the first event. */
   begin(number: number, state: EarlierState): void {
     const { path, entries, ends, total_ns, max_ns, entered, left } = state;
     const count = this.#of(number, path);
@@ -48,7 +48,7 @@ export class Counts {
     count.last = left?.outcome ?? null;
   }
 
-  /** A state is active since before the first event that is told. */
+  /** Sets the entry time of a state that was active before the first event. */
   active(number: number, path: string, t_ns: number): void {
     this.#of(number, path).entered_ns = t_ns;
   }

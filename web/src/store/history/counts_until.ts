@@ -1,10 +1,10 @@
-/** How often and how long states had run until an event: walks only the way from the event that was asked for last. */
+/** Counts and durations of states up to an event. Only the events between the last request and this one are processed. */
 
 import { perOwner } from "../../model/per_owner.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import { type CallLengths, lengthsOf } from "./lengths.ts";
 
-/** Steps back are not counted. */
+/** Counts of one state, without steps back. */
 export interface CountUntil {
   readonly path: string;
   readonly entries: number;
@@ -13,7 +13,7 @@ export interface CountUntil {
 
 type CountUntilDraft = { -readonly [K in keyof CountUntil]: CountUntil[K] };
 
-/** The counts before the event with this index. They hold until somebody asks for others. */
+/** Counts before the event with this index. They are valid until the next call for the journal. */
 export function countsUntil(journal: Journal, index: number): CountsUntil {
   const known = countsOf(journal);
   known.to(index);
@@ -37,7 +37,7 @@ class CountsUntil {
     }
   }
 
-  /** Goes to the place before the event with this index. */
+  /** Moves to the position before the event with this index. */
   to(index: number): void {
     const until = Math.max(index, this.#journal.first);
     for (; this.#at < until; this.#at++) this.#add(this.#at, 1);

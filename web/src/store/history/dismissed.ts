@@ -1,4 +1,4 @@
-/** Commands without effect whose fate the user has seen, by run: they are not shown again. */
+/** Commands without effect whose fate the user has seen, by run. They are not shown again. */
 
 import { signal } from "@preact/signals-core";
 import { perOwner } from "../../model/per_owner.ts";

@@ -1,4 +1,4 @@
-/** Reason of a failure, by the events of the last visit: an error, a logged error, a forced end, a cut. */
+/** Reason of a failure, from the events of the last visit: an error, a logged error, a forced end, a cut. */
 
 import { ABORTED } from "../../model/machine.ts";
 import { isWithin } from "../../model/path.ts";
@@ -11,10 +11,10 @@ export interface EndReason {
   readonly text: string;
 }
 
-/** Between the cause of a failure and its end there are few events, even in concurrency. */
+/** Greatest number of events to search. Few events separate the cause of a failure from its end, even in concurrency. */
 const LOOK_MAX = 5_000;
 
-/** The reason for the end at an index, of a visit that began at another; null if no event reports one. */
+/** Reason for the end at the index `left` of the visit that began at `entered`; null if no event reports one. */
 export function endReasonAt(
   journal: Journal,
   path: string,
@@ -24,7 +24,7 @@ export function endReasonAt(
   for (let index = left; index > Math.max(entered, left - LOOK_MAX); index -= 1) {
     const reason = reasonIn(journal, index, path);
     if (reason) return reason;
-    // Whatever failed before a state inside was entered was handled.
+    // A failure before the entry of an inner state was handled.
     if (journal.kind(index) === ENTERED && isInside(journal, index, path)) return null;
   }
   return null;

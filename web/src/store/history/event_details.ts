@@ -1,4 +1,4 @@
-/** Events of runs with their values, asked for once: what happened does not change. The newest of them are kept. */
+/** Events of runs with their values, each requested once because events do not change. The cache holds the newest requests. */
 
 import type { EventDetail } from "../../model/generated/protocol.ts";
 import type { Runs } from "./run.ts";
@@ -6,7 +6,7 @@ import type { Runs } from "./run.ts";
 const KEPT_MAX = 300;
 const kept = new Map<string, Promise<EventDetail>>();
 
-/** One event with all that is kept of its values. Fails with a `RefusalError`, and is asked for again by the next who wants it. */
+/** One event with all stored values. Rejects with a `RefusalError`; the next call then requests it again. */
 export function eventDetail(runs: Runs, run: string, sequence: number): Promise<EventDetail> {
   const key = `${run} ${sequence}`;
   const known = kept.get(key);

@@ -1,5 +1,5 @@
-/** What went wrong in a run and wants a human: found while the journal grows, each event looked at once. An error that climbs
- * through the states around it is one failure; the same failure of the same state again counts, whatever comes between. */
+/** Failures of a run that need a person, collected as the journal grows; each event is read once. An error that propagates to outer
+ * states is one failure. A repeated failure of a state is counted, even with others in between. */
 
 import type { Event } from "../../model/generated/protocol.ts";
 import { ABORTED } from "../../model/machine.ts";
@@ -11,60 +11,60 @@ import { read } from "../../model/wire.ts";
 import { ENTERED, type Journal, LEFT, OTHER } from "./journal.ts";
 
 export interface RunFailure {
-  /** Of the event that it is told by; of what happened several times, the newest. */
+  /** Sequence number of the event that reports it; of repeated failures, the latest. */
   readonly sequence: number;
-  /** The same of the first time: by this it is known. */
+  /** Sequence number of the first occurrence. It identifies the failure. */
   readonly first: number;
   readonly t_ns: number;
-  /** `error`: it left an error with another outcome than *aborted*. */
+  /** `error`: the state left an error with an outcome other than *aborted*. */
   readonly kind: "aborted" | "error" | "log" | "deadline" | "lost-link" | "cut-off" | "crash";
   readonly level: "warning" | "error";
-  /** The state; empty if it is about none. */
+  /** Path of the state; empty if no state is involved. */
   readonly path: string;
-  /** What is said about it. Of a state's end its error, else the last line of its traceback; empty if neither was told. */
+  /** Description. For the end of a state, its error or the last line of its traceback; empty if neither is known. */
   readonly text: string;
-  /** The outermost state that the error has climbed to; else the state itself. */
+  /** Outermost state that the error has reached; otherwise the state itself. */
   readonly reach: string;
-  /** How often the same happened. */
+  /** Number of occurrences. */
   readonly count: number;
 }
 
-/** Capacity. Acknowledged failures are dropped first, then open ones, the oldest first. */
+/** Capacity. Acknowledged failures are dropped before open ones, and older before newer ones. */
 export const FAILURES_MAX = 1_000;
-/** A script's traceback is logged so few events before its state ends by it. */
+/** Greatest number of events from the traceback of a script to the end of its state. */
 const TRACEBACK_NEAR = 5;
 
 /** Numbers of failures dropped from the list. */
 export interface DroppedFailures {
-  /** Number of failures dropped before anybody acknowledged them. */
+  /** Number of failures that were dropped before anybody acknowledged them. */
   readonly open: number;
   readonly all: number;
 }
 
 export class Failures {
-  /** By state and cause, in the order in which they happened first. */
+  /** By state and cause, in the order of their first occurrence. */
   readonly #all = new Map<string, RunFailure>();
   #list: readonly RunFailure[] = [];
   #next = 0;
-  /** The sequence numbers of what was acknowledged, and the causes of those that are listed. */
+  /** Acknowledged sequence numbers, and the causes of acknowledged failures in the list. */
   #acknowledged: ReadonlySet<number> = new Set();
   #settled = new Set<string>();
   #dropped: DroppedFailures = { open: 0, all: 0 };
-  /** The newest by itself, its cause, and what stood there before it; null before anything went wrong. */
+  /** The latest failure alone, its cause, and the earlier failure of that cause; null before the first failure. */
   #last: {
     readonly failure: RunFailure;
     readonly cause: string;
     readonly before: RunFailure | null;
   } | null = null;
-  /** The state that an error has climbed to and may climb on from: nothing has run beside it since. */
+  /** State that an error has reached and may propagate from. Null after a sibling of it was entered. */
   #climbing: string | null = null;
 
-  /** Numbers of dropped failures; the same object while they are equal. */
+  /** Numbers of dropped failures; a new object after each change. */
   get dropped(): DroppedFailures {
     return this.#dropped;
   }
 
-  /** All of them, in the order in which they happened first; the same object as before if there is nothing new. */
+  /** All failures in the order of their first occurrence; a new list after each change. */
   found(journal: Journal, acknowledged: ReadonlySet<number> = new Set()): readonly RunFailure[] {
     if (acknowledged !== this.#acknowledged && this.#next < journal.length) {
       this.#acknowledged = acknowledged;
@@ -89,7 +89,7 @@ export class Failures {
     return failure !== null;
   }
 
-  /** Beside the one before, or as a part of it. */
+  /** Adds a failure, or joins it with the previous one. */
   #put(failure: RunFailure): void {
     const last = this.#last;
     const joined = last && this.#together(last.failure, failure);
@@ -100,7 +100,7 @@ export class Failures {
     this.#fold(joined ?? failure);
   }
 
-  /** Counts it where the same happened before. */
+  /** Counts the failure under its cause. */
   #fold(failure: RunFailure): void {
     const cause = causeOf(failure);
     const before = this.#all.get(cause) ?? null;
@@ -135,17 +135,17 @@ export class Failures {
   }
 }
 
-/** The same for what happened to the same state for the same reason. Numbers in a text are seldom a reason of their own. */
+/** Key of a failure's state and reason. Numbers in the text are replaced, because they seldom make another reason. */
 function causeOf({ kind, level, path, text }: RunFailure): string {
   return [kind, level, path, text.replace(/\d+([.,]\d+)?/g, "#")].join("\n");
 }
 
-/** Whether it is about a state that ended. */
+/** True for failures that ended a state. */
 export function isEnd({ kind }: RunFailure): boolean {
   return kind === "aborted" || kind === "error";
 }
 
-/** Whether a line of the log is about the same error. Of one that says itself what it is, only its traceback is. */
+/** True if a log line describes this failure. If the failure has its own text, only a traceback qualifies. */
 function isTracebackOf(
   { kind, level, path, sequence, text }: RunFailure,
   failure: RunFailure,
@@ -155,7 +155,7 @@ function isTracebackOf(
   return kind === "log" && level === "error" && path === failure.path && isNear && isAbout;
 }
 
-/** The last line of a text, such as a traceback. */
+/** Last line of a text such as a traceback. */
 export function lastLine(text: string): string {
   return withoutModule(text.trimEnd().split("\n").at(-1) ?? "");
 }
@@ -185,14 +185,14 @@ function ofEnd(journal: Journal, index: number): FailureCause | null {
   return { kind: isAborted ? "aborted" : "error", level: "error", path, text };
 }
 
-/** What a state did that failed; empty of all else. */
+/** Verb for the state of a failure; empty for other failures. */
 export function didInWords(kind: RunFailure["kind"]): string {
   return kind === "aborted" ? "aborted" : kind === "error" ? "ended with an error" : "";
 }
 
 const ERROR_MAX = 400;
 
-/** An error as it was told, in words; empty if nothing is known of it. */
+/** Text of an error; empty if nothing is known of it. */
 export function errorInWords(error: unknown): string {
   const found = read(error);
   if (found.kind === "none" || (found.kind === "object" && found.of === "")) return "";

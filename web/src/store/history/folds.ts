@@ -1,18 +1,18 @@
-/** Calls inside a call, with what repeats folded into loops: `A B C B C B C` is A, then B C three times. Calls are taken one by one as
- * they come, so that the same calls always give the same folds. */
+/** Calls inside a call, with repetitions folded into loops: `A B C B C B C` is A, then B C three times. Calls are processed one by
+ * one as they arrive, so that equal calls always give equal folds. */
 
-/** Calls that follow one another. */
+/** A single call, or a loop of consecutive calls. */
 export type Fold =
   | { readonly kind: "call"; readonly call: number }
   | {
       readonly kind: "loop";
-      /** All its calls, round after round; the last round may still go on. */
+      /** All calls, round after round; the last round may be incomplete. */
       readonly calls: readonly number[];
-      /** How many calls are a round. */
+      /** Number of calls per round. */
       readonly period: number;
     };
 
-/** Longer rounds are not looked for. */
+/** Greatest length of a round. */
 const LONGEST = 24;
 
 interface Loop {
@@ -34,7 +34,7 @@ export class Folds {
     return this.#all;
   }
 
-  /** Takes what has come of a growing list of calls. */
+  /** Processes the new calls of a growing list. */
   follow(calls: readonly number[]): void {
     for (; this.#taken < calls.length; this.#taken++) this.#take(calls[this.#taken] ?? 0);
   }
@@ -53,13 +53,13 @@ export class Folds {
     this.#findLoop();
   }
 
-  /** A round that was not finished does not belong to the loop. */
+  /** Removes an incomplete round from the loop. */
   #breakOff({ calls, period }: Loop): void {
     const rest = calls.splice(calls.length - (calls.length % period));
     for (const call of rest) this.#all.push({ kind: "call", call });
   }
 
-  /** Makes a loop of the last calls if they are twice the same. */
+  /** Folds the last calls into a loop if they consist of two equal rounds. */
   #findLoop(): void {
     const last = this.#callAt(1);
     for (let period = 1; period <= LONGEST; period++) {
@@ -73,13 +73,13 @@ export class Folds {
     }
   }
 
-  /** The call so many places before the end; null if there is none outside of loops. */
+  /** The call at this place from the end; null inside a loop. */
   #callAt(place: number): number | null {
     const fold = this.#all.at(-place);
     return fold?.kind === "call" ? fold.call : null;
   }
 
-  /** The last calls; null if there are fewer outside of loops. */
+  /** The last calls; null if some of them are inside a loop. */
   #last(many: number): readonly number[] | null {
     if (this.#all.length < many) return null;
     const calls: number[] = [];

@@ -1,8 +1,8 @@
-/** How much of a run's history is known to be there and was not told yet. */
+/** Backlog of a run's history: recorded events that the page has not received. */
 
 import type { Watch } from "./run.ts";
 
-/** So many events; reads signals. */
+/** Number of missing events. Reads signals. */
 export function historyLag(watch: Watch): number {
   watch.journalVersion.value;
   const now = watch.now.value;

@@ -1,4 +1,4 @@
-/** How often breakpoints of a run were hit, as its journal says. What was read once is not read again. */
+/** Hit counts of a run's breakpoints, from its journal. Each event is read once. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Event } from "../../model/generated/protocol.ts";
@@ -23,7 +23,7 @@ const hitsSignal = perOwner((watch: Watch): ReadonlySignal<ReadonlyMap<number, n
 
 const tallyOf = perOwner((_journal: Journal): Tally => ({ at: 0, hits: new Map() }));
 
-/** Hits by the breakpoint's id. A signal's reader. */
+/** Hits by the breakpoint's id. Reads signals. */
 export function hitsOf(watch: Watch): ReadonlyMap<number, number> {
   return hitsSignal(watch).value;
 }

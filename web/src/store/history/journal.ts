@@ -1,5 +1,5 @@
-/** What happened in a run, in columns of a few bytes an event: all of it, or a part with what is known from before it. Knows events;
- * never who tells them, nor how they are shown. */
+/** Events of a run in columns of a few bytes per event: all of them, or a part with a summary of the earlier ones. Knows events;
+ * never their source or display. */
 
 import type {
   Before,
@@ -13,25 +13,25 @@ import { parentOf } from "../../model/path.ts";
 import { NumberColumn } from "./column.ts";
 import { Counts } from "./counts.ts";
 
-/** What is kept of each event in columns. Whatever is none of the first two has its whole event beside. */
+/** Kind of an event. Events of kind `OTHER` are kept whole, too. */
 export const ENTERED = 0;
 export const LEFT = 1;
 export const OTHER = 2;
 
-/** An entry or end of a state, or something else by its whole event. */
+/** An entry or end of a state, or another event as a whole. */
 export type Happening =
   | {
       readonly kind: "entered" | "left";
       readonly sequence: number;
       readonly t_ns: number;
       readonly path: string;
-      /** How it ended; of an entry null. */
+      /** Outcome of an end; null for an entry. */
       readonly outcome: Outcome | null;
-      /** Whether it was a step back. */
+      /** True for a step back. */
       readonly isBack: boolean;
-      /** Whether it left an error. */
+      /** True if the state left an error. */
       readonly hasError: boolean;
-      /** The error in few words, as it was told; null also where it is too long ago to be here. */
+      /** Short form of the error, as it was received; null also if it was dropped. */
       readonly error: JsonValue;
     }
   | {
@@ -45,32 +45,32 @@ const BACK = 1;
 const ERROR = 2;
 const NO_OUTCOME = 0;
 
-/** Events that say which calls go on and by which machine the run goes: all of them are kept, whoever reads them and when. */
+/** Events that determine which calls are open and which machine the run uses. All of them are kept. */
 const STRUCTURAL: ReadonlySet<Event["type"]> = new Set(["resumed", "dropped", "root"]);
 
-/** So many whole events are kept, the newest, and so many errors; older ones are asked for at the server. */
+/** Capacity of whole events, and of errors. Older ones must be requested from the server. */
 const OTHERS_MAX = 20_000;
 
-/** What is known from before the first event of a part of a run. */
+/** State of a run before the first event of a part. */
 export interface JournalBase {
-  /** What was active. */
+  /** Active states. */
   readonly before: Before;
-  /** What states had done, and what was worth a mark; null while that is not known. */
+  /** Counts of states, and notable events; null until they are known. */
   readonly earlier: EarlierHistory | null;
 }
 
 export class Journal {
-  /** Null if it begins with the run. */
+  /** Null if the journal starts with the run. */
   readonly base: JournalBase | null;
-  /** The index of its first event. Before it stand single events from earlier: entries of what was active, and what was worth a mark. */
+  /** Index of the first event. Before it are single earlier events: entries of active states, and notable events. */
   readonly first: number;
   readonly #sequence = new NumberColumn(Float64Array);
   readonly #t_ns = new NumberColumn(Float64Array);
   readonly #kind = new NumberColumn(Uint8Array);
   readonly #flags = new NumberColumn(Uint8Array);
-  /** The number of the path; of other events that of no path. */
+  /** Number of the path; -1 for other events. */
   readonly #path = new NumberColumn(Int32Array);
-  /** The number of the outcome. */
+  /** Number of the outcome; 0 for none. */
   readonly #outcome = new NumberColumn(Int32Array);
   readonly #paths: string[] = [];
   readonly #numbers = new Map<string, number>();
@@ -81,7 +81,7 @@ export class Journal {
   readonly #errors = new Map<number, JsonValue>();
   #next = 1;
   #resumed_ns = Number.POSITIVE_INFINITY;
-  /** How often and how long states ran. */
+  /** Counts and durations of states. */
   readonly counts = new Counts();
 
   constructor(base: JournalBase | null = null) {
@@ -90,32 +90,32 @@ export class Journal {
     this.first = this.#sequence.length;
   }
 
-  /** How many events are here, with those from earlier. */
+  /** Number of events, including single earlier ones. */
   get length(): number {
     return this.#sequence.length;
   }
 
-  /** Every event from this number on was told. */
+  /** Sequence number from which on all events were received. */
   get from(): number {
     return (this.base?.before.sequence ?? 0) + 1;
   }
 
-  /** Whether it is known how often states had run: of a part that comes a little later. */
+  /** True if the counts are known. For a part they arrive a little later. */
   get hasCounts(): boolean {
     return this.base === null || this.base.earlier !== null;
   }
 
-  /** Whether what happened around this event is here. */
+  /** True if the events around this one are in the journal. */
   covers(sequence: number): boolean {
     return sequence >= this.from && sequence < this.#next;
   }
 
-  /** The cursor: everything before was told. */
+  /** Cursor: all events before it were received. */
   get next(): number {
     return this.#next;
   }
 
-  /** Takes what was told. What was told before is left out: nothing is here twice. */
+  /** Adds received events, except those received before. */
   add(entries: readonly HistoryEntry[], next: number): void {
     for (const entry of entries) {
       if (entry.sequence < this.#next) continue;
@@ -138,7 +138,7 @@ export class Journal {
     return this.#kind.at(index);
   }
 
-  /** The state of an entry or end, by its number. */
+  /** Number of the path of an entry or end. */
   pathNumber(index: number): number {
     return this.#path.at(index);
   }
@@ -159,24 +159,24 @@ export class Journal {
     return (this.#flags.at(index) & ERROR) !== 0;
   }
 
-  /** The error that a state left, in few words, as it was told; null also where it is too long ago to be here. */
+  /** Short form of the error of an end, as it was received; null also if it was dropped. */
   error(index: number): JsonValue {
     return this.#errors.get(this.sequence(index)) ?? null;
   }
 
-  /** Another event than an entry or end; undefined also where it is too long ago to be here. */
+  /** An event other than an entry or end; undefined also if it was dropped. */
   other(index: number): Event | undefined {
     const sequence = this.sequence(index);
     return this.#others.get(sequence) ?? this.#structural.get(sequence);
   }
 
-  /** All other events that are here, the oldest first, with their sequence numbers. */
+  /** All kept events other than entries and ends, with their sequence numbers, the oldest first. */
   others(): readonly (readonly [number, Event])[] {
     const all = [...this.#others, ...this.#structural];
     return all.sort(([one], [other]) => one - other);
   }
 
-  /** The event with all that is here of it; undefined beyond the end, and of another event that is too long ago. */
+  /** The event with all its kept data; undefined beyond the end, and for dropped events. */
   at(index: number): Happening | undefined {
     if (index < 0 || index >= this.length) return undefined;
     const [sequence, t_ns, kind] = [this.sequence(index), this.t_ns(index), this.kind(index)];
@@ -196,28 +196,28 @@ export class Journal {
     };
   }
 
-  /** The index of the first event from a number on; `length` if there is none. */
+  /** Index of the first event from a sequence number on; `length` if none. */
   indexOf(sequence: number): number {
     return this.#sequence.firstFrom(sequence);
   }
 
-  /** The index of the first event from a time on; `length` if there is none. */
+  /** Index of the first event from a time on; `length` if none. */
   indexAt(t_ns: number): number {
     return this.#t_ns.firstFrom(t_ns);
   }
 
-  /** When an event happened; null if it is not here. */
+  /** Time of an event; null if it is not in the journal. */
   timeOf(sequence: number): number | null {
     const index = this.indexOf(sequence);
     return this.sequence(index) === sequence ? this.t_ns(index) : null;
   }
 
-  /** Whether no crash stopped the run's clock before this time: then the time of the day is known, too. */
+  /** True if no crash stopped the run's clock before this time. Only then the time of day is known. */
   hasClockAt(t_ns: number): boolean {
     return t_ns < this.#resumed_ns;
   }
 
-  /** Begins with what is known from before. */
+  /** Adds the state before the first event. */
   #begin({ before, earlier }: JournalBase): void {
     const entries = before.active.map(
       ({ path, sequence, t_ns }): HistoryEntry => ({
@@ -279,7 +279,7 @@ export class Journal {
   #numberOf(path: string): number {
     let number = this.#numbers.get(path);
     if (number === undefined) {
-      // Those around it first: what is told from earlier may begin anywhere.
+      // Parent paths first, because earlier events may begin anywhere.
       const around = this.base === null ? null : parentOf(path);
       if (around !== null) this.#numberOf(around);
       number = this.#paths.push(path) - 1;
@@ -299,7 +299,7 @@ export class Journal {
   }
 }
 
-/** The oldest makes room. */
+/** Adds an entry and drops the oldest one beyond the capacity. */
 function keep<T>(all: Map<number, T>, sequence: number, what: T): void {
   all.set(sequence, what);
   if (all.size <= OTHERS_MAX) return;

@@ -1,9 +1,9 @@
-/** What a search finds in a run: entries of states by their names, ends by their outcomes, log lines by their text. Goes on from where
- * it was when the journal grows. */
+/** Results of a search in a run: entries by the names of their states, ends by their outcomes, log lines by their text. The search
+ * continues as the journal grows. */
 
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
-/** So many are found at most. */
+/** Greatest number of results. */
 export const HITS_MAX = 20_000;
 
 export class JournalHits {
@@ -12,7 +12,7 @@ export class JournalHits {
   readonly journal: Journal;
   readonly #wanted: string;
   readonly #name: (path: string) => string;
-  /** Whether a state's name is wanted, by the number of its path. */
+  /** True for states whose name matches, by the number of the path. */
   readonly #named: boolean[] = [];
   #read = 0;
 
@@ -22,7 +22,7 @@ export class JournalHits {
     this.#name = name;
   }
 
-  /** Whether more might be found than may be kept. */
+  /** True if the limit is reached; there may be more results. */
   get isFull(): boolean {
     return this.hits.length >= HITS_MAX;
   }

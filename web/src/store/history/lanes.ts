@@ -1,6 +1,6 @@
-/** Lanes of a run: one a branch of concurrency, that of the root first; in each, rows by depth, in which calls follow one another.
- * Read from the calls as they come. A state turns out to be concurrent when two of its children run at once: then all is put into
- * lanes anew, so that the same events always give the same lanes. */
+/** Lanes of a run: one per branch of concurrency, the root's first. Each has rows by depth with consecutive calls. Calls are read
+ * as they arrive. A state counts as concurrent once two of its children run at once. All calls are then assigned to lanes again, so
+ * that equal events always give equal lanes. */
 
 import { ABORTED, PREEMPTED } from "../../model/machine.ts";
 import { perOwner } from "../../model/per_owner.ts";
@@ -8,7 +8,7 @@ import type { Calls } from "./calls.ts";
 import { DROPPED, NONE, OPEN, TAKEN_BACK } from "./calls.ts";
 import { lowerBound } from "./column.ts";
 
-/** How a call looks. */
+/** Appearance of a call. */
 export type CallLook = "open" | "ended" | "aborted" | "preempted" | "back" | "dropped";
 
 export function lookOf(calls: Calls, call: number): CallLook {
@@ -27,17 +27,17 @@ export function lookOf(calls: Calls, call: number): CallLook {
   }
 }
 
-/** Whether it ended by *aborted*, or left an error. What was taken back did neither. */
+/** True if it ended with *aborted*, or left an error. False for calls that were taken back. */
 export function hasFailed(calls: Calls, call: number): boolean {
   const look = lookOf(calls, call);
   if (look === "back" || look === "open" || look === "dropped") return false;
   return look === "aborted" || calls.journal.hasError(calls.end(call));
 }
 
-/** Calls at one depth of a branch, one after the other. */
+/** Consecutive calls at one depth of a branch. */
 export class CallRow {
   readonly calls: number[] = [];
-  /** How many of the calls before each ended by aborted or with an error. */
+  /** Number of failed calls before each place. */
   readonly #failed: number[] = [0];
   readonly #all: Calls;
 
@@ -49,7 +49,7 @@ export class CallRow {
     this.calls.push(call);
   }
 
-  /** The place in the row of the first call that has not ended by this event of the journal. */
+  /** Place of the first call in the row that has not ended by this event of the journal. */
   firstOpenAfter(index: number): number {
     return lowerBound(this.calls.length, (place) => {
       const end = this.#all.end(this.calls[place] ?? NONE);
@@ -57,7 +57,7 @@ export class CallRow {
     });
   }
 
-  /** The place in the row of the first call that began at this event of the journal or later. */
+  /** Place of the first call in the row that began at this event of the journal or later. */
   firstFrom(index: number): number {
     return lowerBound(
       this.calls.length,
@@ -65,7 +65,7 @@ export class CallRow {
     );
   }
 
-  /** How many failed, of those from one place in the row up to before another. */
+  /** Number of failed calls from one place of the row up to another, exclusive. */
   failed(from: number, to: number): number {
     this.#count();
     const last = this.#failed.length - 1;
@@ -82,14 +82,14 @@ export class CallRow {
 }
 
 export interface Lane {
-  /** The path of the state that the branch begins with: the root, or the child of a concurrency state. */
+  /** Path of the first state of the branch: the root, or the child of a concurrency state. */
   readonly path: string;
-  /** How many lanes are around it. */
+  /** Number of lanes around it. */
   readonly depth: number;
-  /** The path of the branch around; null of the root's. */
+  /** Path of the branch around it; null for the root's. */
   readonly parent: string | null;
   readonly rows: readonly CallRow[];
-  /** The calls that had nothing inside when another one came after them: what really worked. */
+  /** Calls without inner calls at the time of the next call: the states that did the work. */
   readonly leaves: CallRow;
 }
 
@@ -100,7 +100,7 @@ interface LaneDraft extends Lane {
 export class RunLanes {
   readonly #calls: Calls;
   #lanes = new Map<number, LaneDraft>();
-  /** By path: the number of the path that its lane begins with, and its depth there. */
+  /** By path number: the path number of its lane, and its row. */
   #place: { readonly lane: number; readonly row: number }[] = [];
   #put = 0;
   #split = 0;
@@ -110,19 +110,19 @@ export class RunLanes {
     this.#calls = calls;
   }
 
-  /** All lanes, each after the one around it, in the order in which they began. */
+  /** All lanes in the order of their start, each after the lane around it. */
   all(): readonly Lane[] {
     return this.#ordered;
   }
 
-  /** The lane and row of a state. */
+  /** Lane and row of a state. */
   placeOf(path: number): { readonly lane: Lane; readonly row: number } | undefined {
     const place = this.#place[path];
     const lane = place && this.#lanes.get(place.lane);
     return lane && place && { lane, row: place.row };
   }
 
-  /** Reads what has come. */
+  /** Reads the new calls. */
   follow(): void {
     const calls = this.#calls;
     if (calls.concurrent.size !== this.#split) this.#again();
@@ -181,7 +181,7 @@ interface Nested {
   readonly parent: string | null;
 }
 
-/** Each after the one around it. */
+/** Sorts lanes so that each follows the lane around it. */
 export function inOrder<L extends Nested>(lanes: readonly L[]): readonly L[] {
   const inside = new Map<string | null, L[]>();
   for (const lane of lanes) {
@@ -196,7 +196,7 @@ export function inOrder<L extends Nested>(lanes: readonly L[]): readonly L[] {
 
 const knownRunLanes = perOwner((calls: Calls) => new RunLanes(calls));
 
-/** The lanes of a run, as far as it was told. */
+/** Lanes of a run up to its last received event. */
 export function lanesOf(calls: Calls): RunLanes {
   const lanes = knownRunLanes(calls);
   lanes.follow();

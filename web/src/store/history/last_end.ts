@@ -1,4 +1,4 @@
-/** Which state ended last beside another one: what its branch did before. */
+/** Finds the sibling of a state that ended last: the previous step of its branch. */
 
 import type { Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
@@ -10,10 +10,10 @@ export interface LastEnd {
   readonly outcome: Outcome;
 }
 
-/** So many events are looked at, back from what is shown. */
+/** Number of events to search, backward from the shown moment. */
 const LOOKED_AT = 500;
 
-/** The last end of a child of the container that a state is in, at the moment that is shown; null if none was lately. */
+/** Last end of a sibling of a state at the shown moment; null if there was none recently. */
 export function lastEndBeside(
   watch: Pick<Watch, "window" | "journalVersion" | "playhead">,
   path: string,
@@ -35,7 +35,7 @@ export function lastEndBeside(
 
 const FOUND = new Map<string, LastEnd>();
 
-/** The same object for the same end, so that nobody is drawn again. */
+/** Equal ends share one object, so that components do not render again. */
 function found(path: string, outcome: Outcome): LastEnd {
   const key = `${path} ${outcome.id} ${outcome.name}`;
   const known = FOUND.get(key) ?? { path, outcome };

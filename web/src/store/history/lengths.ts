@@ -1,4 +1,4 @@
-/** How long states had been active when they ended, by the end's index in the journal. Each event is read once. */
+/** Duration of each call, by the index of its end in the journal. Each event is read once. */
 
 import { perOwner } from "../../model/per_owner.ts";
 import { NumberColumn } from "./column.ts";
@@ -6,9 +6,9 @@ import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
 export class CallLengths {
   readonly #journal: Journal;
-  /** Of what is no end, 0. */
+  /** 0 for events that are not ends. */
   readonly #lengths = new NumberColumn(Float64Array);
-  /** When states were entered last, by the number of their path. */
+  /** Time of each state's last entry, by the number of its path. */
   readonly #entered: number[] = [];
 
   constructor(journal: Journal) {

@@ -1,4 +1,4 @@
-/** Ways from one moment of a run to another: event by event, from entry to entry of a state, to the ends. */
+/** Moves between moments of a run: event by event, between entries of a state, to the ends. */
 
 import { callsOf, NONE } from "./calls.ts";
 import { ENTERED, type Journal } from "./journal.ts";
@@ -6,10 +6,10 @@ import type { Watch } from "./run.ts";
 
 type MomentWatch = Pick<Watch, "playhead" | "journal" | "window">;
 
-/** So many events after a moment it is looked for what begins next. */
+/** Number of events after a moment that are searched for the next entry. */
 const NEAR = 1_000;
 
-/** The index in the journal of the event after which everything is shown; -1 before the first. */
+/** Index of the last event that is shown; -1 before the first. */
 export function shownIndex({ playhead, window }: MomentWatch): number {
   const sequence = playhead.value;
   if (sequence === null) return window.length - 1;
@@ -17,28 +17,29 @@ export function shownIndex({ playhead, window }: MomentWatch): number {
   return window.base ? Math.min(Math.max(index, window.first), window.length - 1) : index;
 }
 
-/** Shows the moment after an event of the part that is here; beside it the one that is next to it, beyond the last one what is now. */
+/** Moves the playhead to an event of the loaded part. An index before the part moves to the event before it. An index after it
+ * moves to the next event, or to live. */
 export function showIndex({ window, journal, playhead }: MomentWatch, index: number): void {
   if (index >= window.length) playhead.value = window.next < journal.next ? window.next : null;
   else if (window.base && index < window.first) playhead.value = Math.max(1, window.from - 1);
   else if (window.length > 0) playhead.value = window.sequence(Math.max(0, index));
 }
 
-/** Goes so many events forward, or back. Forward from the last one is live. */
+/** Moves the playhead by this number of events. After the last event it becomes live. */
 export function stepPlayhead(watch: MomentWatch, by: number): void {
   if (watch.playhead.peek() === null && by > 0) return;
   showIndex(watch, shownIndex(watch) + by);
 }
 
-/** The first or last event that one can go to. */
+/** Moves to the first event, or to live. */
 export function toEnd(watch: MomentWatch, end: "first" | "last"): void {
   if (end === "last") watch.playhead.value = null;
   else if (watch.journal.base) watch.playhead.value = 1;
   else showIndex(watch, 0);
 }
 
-/** The number of the event by which a state was entered before the moment that is shown, or after it; null if it was not, as far as
- * that is here. */
+/** Sequence number of the last entry of a state before the shown moment, or of the first after it; null if it is not loaded or does
+ * not exist. */
 export function entryOf(
   watch: MomentWatch,
   path: string,
@@ -60,21 +61,21 @@ export function entryOf(
   return earlier?.entered?.sequence ?? null;
 }
 
-/** Goes to the entry of a state before the moment that is shown, or after it; false if there is none. */
+/** Moves to an entry of a state before or after the shown moment; false if none is found. */
 export function toEntry(watch: MomentWatch, path: string, direction: "before" | "after"): boolean {
   const sequence = entryOf(watch, path, direction);
   if (sequence !== null) watch.playhead.value = sequence;
   return sequence !== null;
 }
 
-/** Whether what happened around a time is in a part of the run. */
+/** True if a part of the run contains the events around a time. */
 export function hasTime({ journal }: Pick<Watch, "journal">, part: Journal, t_ns: number): boolean {
   if (part.length === part.first) return false;
   const isFrom = part.base === null || t_ns >= part.t_ns(part.first);
   return isFrom && (part === journal || t_ns <= part.t_ns(part.length - 1));
 }
 
-/** The last event up to a time of the run, if it is here; false if not. */
+/** Moves to the last event up to a time of the run; false if it is not loaded. */
 export function showTime(watch: MomentWatch, t_ns: number): boolean {
   const { journal, window, playhead } = watch;
   const part = [window, journal].find((each) => hasTime(watch, each, t_ns));
@@ -84,8 +85,8 @@ export function showTime(watch: MomentWatch, t_ns: number): boolean {
   return true;
 }
 
-/** The number of the entry at which the run would begin again to go on from the moment that is shown: that of the event itself, the
- * next one, else that of what ran then; null if nothing did. */
+/** Sequence number of the entry to restart from to continue from the shown moment: that of the event itself or the next entry,
+ * otherwise that of the innermost active state; null if none was active. */
 export function entryToStartFrom(watch: MomentWatch): number | null {
   const { window: journal } = watch;
   const now = Math.max(0, shownIndex(watch));

@@ -1,12 +1,12 @@
-/** What is worth a mark on the time line of a run: warnings, errors, breakpoints, commands, questions, crashes. Read from the journal
- * as it grows; of very many the oldest are not known any more. */
+/** Marks for the time line of a run: warnings, errors, breakpoints, commands, questions, crashes. The journal is read as it grows;
+ * events that it has dropped are missing. */
 
 import type { Event } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import { lowerBound } from "./column.ts";
 import { type Journal, OTHER } from "./journal.ts";
 
-/** The later ones cover the earlier ones where there is room for one only. */
+/** In ascending priority: where only one mark fits, the later kind covers the others. */
 export const NOTE_KINDS = [
   "command",
   "edit",
@@ -21,7 +21,7 @@ export const NOTE_KINDS = [
 export type NoteKind = (typeof NOTE_KINDS)[number];
 
 interface Note {
-  /** The index in the journal. */
+  /** Index in the journal. */
   readonly index: number;
   readonly kind: NoteKind;
 }
@@ -44,7 +44,7 @@ export class Notes {
     }
   }
 
-  /** The place of the first note at this event of the journal or later. */
+  /** Place of the first note at this event of the journal or later. */
   firstFrom(index: number): number {
     return lowerBound(this.all.length, (place) => (this.all[place]?.index ?? 0) < index);
   }
@@ -81,7 +81,7 @@ function kindOf(event: Event): NoteKind | null {
 
 const knownNotes = perOwner((journal: Journal) => new Notes(journal));
 
-/** The notes of a journal, as far as it goes now. */
+/** Notes of a journal up to its current end. */
 export function notesOf(journal: Journal): Notes {
   const notes = knownNotes(journal);
   notes.follow();

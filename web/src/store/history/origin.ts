@@ -1,4 +1,5 @@
-/** When a value came to where it is in a run, and from which state: by the data flows of the machine and what ran when. */
+/** Origin of a value in a run: when it reached its port and which state provided it. Derived from the data flows of the machine and
+ * the order of events. */
 
 import { type ConnectionEnds, type DataPort, flowEnds, isPort } from "../../model/ends.ts";
 import { dataFlowsOf, type Machine } from "../../model/machine.ts";
@@ -6,18 +7,18 @@ import { parentOf } from "../../model/path.ts";
 import type { Visits } from "./visits.ts";
 
 export interface Origin {
-  /** The event by which the value came there. */
+  /** Event with which the value reached the port. */
   readonly sequence: number;
-  /** The state that gave it; of a default the state itself. */
+  /** State that provided it; for a default value the state itself. */
   readonly path: string;
-  /** The event from which on it is seen there: scoped variables are written right after the event that gives them. */
+  /** Event from which on it is visible. Scoped variables are written right after the event that provides them. */
   readonly seen: number;
 }
 
-/** Values come through so many containers at most. */
+/** Greatest number of containers that a value passes through. */
 const STEPS_MAX = 64;
 
-/** Where the value of a port came from that it had after an event; null if its state had not run by then. */
+/** Origin of the value that a port had after an event; null if its state had not run by then. */
 export function originOf(
   machine: Machine,
   visits: Visits,
@@ -34,7 +35,7 @@ export function originOf(
   return { sequence, path: path ?? port.path, seen: sequence };
 }
 
-/** A scoped variable has what a child gave it last, else what it had when its container began. */
+/** A scoped variable has the last value from a child, or else its value at the entry of its container. */
 function scopedOrigin(
   machine: Machine,
   visits: Visits,
@@ -52,7 +53,7 @@ function scopedOrigin(
   return { ...found, seen: visits.untilNext(found.sequence) };
 }
 
-/** The state that gave an input what it had when its state was entered; null if none did. */
+/** State that provided the value of an input at its entry; null if none did. */
 function giverOf(
   machine: Machine,
   visits: Visits,

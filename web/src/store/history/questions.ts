@@ -1,4 +1,4 @@
-/** Questions of states to people: which wait for an answer, since when, and how others ended. */
+/** Questions of states to people: open ones, the times when they were asked, and the results of closed ones. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import type { Closing, JsonValue, Question } from "../../model/generated/protocol.ts";
@@ -6,36 +6,36 @@ import { perOwner } from "../../model/per_owner.ts";
 import { type Journal, OTHER } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
-/** A question that came to its end. */
+/** A closed question. */
 export interface Closed {
   readonly question: Question;
   readonly sequence: number;
   readonly t_ns: number;
   readonly how: Closing;
   readonly answer: JsonValue | null;
-  /** Who answered; empty if nobody did. */
+  /** Author of the answer; empty if nobody answered. */
   readonly author: string;
 }
 
 interface AskedQuestions {
-  /** When questions were asked, by their ids: ns since the start of the run. */
+  /** Times when open questions were asked, by id: ns since the start of the run. */
   readonly since_ns: ReadonlyMap<number, number>;
-  /** Those that ended last, the newest first. */
+  /** Recently closed questions, the newest first. */
   readonly closed: readonly Closed[];
 }
 
-/** So many that ended are kept. */
+/** Capacity of the closed questions. */
 const CLOSED_MAX = 20;
 
 type QuestionsWatch = Pick<Watch, "journal" | "journalVersion">;
 
-/** The questions that wait for an answer now, whatever moment is shown: they are answered now. */
+/** Open questions at present, even if a past moment is shown, because people answer in the present. */
 export function openQuestions(watch: Pick<Watch, "now">): readonly Question[] {
   const now = watch.now.value;
   return now?.run.phase === "live" ? (now.snapshot?.questions ?? []) : [];
 }
 
-/** When questions were asked and how they ended, found while the journal grows. */
+/** Times and results of questions, collected as the journal grows. */
 export const askedQuestions = perOwner((watch: QuestionsWatch): ReadonlySignal<AskedQuestions> => {
   return computed(() => {
     watch.journalVersion.value;
@@ -45,7 +45,7 @@ export const askedQuestions = perOwner((watch: QuestionsWatch): ReadonlySignal<A
 
 const walkerOf = perOwner((_journal: Journal) => new Walker());
 
-/** Who else answered a question; null while nobody is known to. A signal's reader. */
+/** Author of the answer to a question; null if unknown. Reads signals. */
 export function answeredBy(watch: QuestionsWatch, question: number): string | null {
   const end = askedQuestions(watch).value.closed.find((each) => each.question.id === question);
   return end?.how === "answered" && end.author !== "" ? end.author : null;
@@ -56,7 +56,7 @@ class Walker {
   readonly #open = new Map<number, Question>();
   #next = 0;
 
-  /** The same object as before if there is nothing new. */
+  /** Returns a new object only after a change. */
   found(journal: Watch["journal"]): AskedQuestions {
     for (; this.#next < journal.length; this.#next += 1) {
       if (journal.kind(this.#next) === OTHER) this.#look(journal, this.#next);

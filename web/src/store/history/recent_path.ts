@@ -1,40 +1,40 @@
-/** The way that a run came lately: on each branch the states that ended and the transitions that were taken, a dozen steps back.
- * Goes on from where it was as the journal grows. */
+/** Recent path of a run: the ended states and taken transitions of each branch, a dozen steps back. It is updated as the journal
+ * grows. */
 
 import { parentOf } from "../../model/path.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 
-/** So many steps back the way of a branch is remembered. */
+/** Number of steps that are remembered per branch. */
 export const STEPS = 12;
-/** So many events before the one that it begins at are looked at. */
+/** Greatest number of events to read before the requested one. */
 const LOOK_BACK = 4_000;
-/** Ends of one container's children that are kept, to step back over. After more steps back it is unknown where the container
- * continues from, until another child ends. */
+/** Capacity of ends of a container's children, for steps back. After more steps back, the position of the container is unknown
+ * until another child ends. */
 const ENDS_MAX = 64;
-/** So many steps of each branch are kept when its concurrency state ends. */
+/** Number of steps per branch that are kept when its concurrency state ends. */
 const LEFT_OVER = 3;
 
-/** A transition that was taken: of its container, from the outcome of a child; from nothing: the start. */
+/** A taken transition of a container, from the outcome of a child; `from` is null for the start. */
 export interface TakenTransition {
   readonly container: string;
   readonly from: string | null;
   readonly outcome: number;
 }
 
-/** The path of a child, or an outcome of its container. */
+/** Path of a child, or an outcome of its container. */
 export type TransitionGoal = string | number;
 
-/** What lies behind on a branch. */
+/** A past step of a branch. */
 interface RecentStep {
-  /** The state that ended, or null if it is a transition alone. */
+  /** State that ended; null for a transition alone. */
   readonly path: string | null;
   readonly taken: TakenTransition | null;
-  /** Where the transition must have led: to this child, or to this outcome of its container. */
+  /** Target of the transition: this child, or this outcome of its container. */
   readonly goal: TransitionGoal;
-  /** The outcome by which the state ended; 0 of a transition alone. */
+  /** Outcome of the ended state; 0 for a transition alone. */
   readonly outcome: number;
   readonly sequence: number;
-  /** How many states of the branch have ended since. */
+  /** Number of states of the branch that have ended since. */
   readonly age: number;
 }
 
@@ -44,7 +44,7 @@ interface Item {
   readonly goal: TransitionGoal;
   readonly outcome: number;
   readonly sequence: number;
-  /** How many states of the branch had ended by then. */
+  /** Number of states of the branch that had ended by then. */
   readonly at: number;
 }
 
@@ -77,7 +77,7 @@ export class RecentPath {
     this.#isConcurrent = isConcurrent;
   }
 
-  /** Goes on up to an event by its index, that one left out. */
+  /** Reads events up to an index, exclusive. */
   follow(journal: Journal, until: number): void {
     this.#at = Math.max(this.#at, journal.first, until - LOOK_BACK);
     for (; this.#at < until; this.#at++) {
@@ -87,14 +87,14 @@ export class RecentPath {
     }
   }
 
-  /** What lies behind, of all branches, the oldest first. */
+  /** Past steps of all branches, the oldest first. */
   past(): readonly RecentStep[] {
     return [...this.#paths.values()].flatMap(({ ends, items }) =>
       items.map(({ at, ...item }) => ({ ...item, age: ends - at })),
     );
   }
 
-  /** Where the container continues from: its child that ended last, or its start; null if that is unknown. */
+  /** Position from which the container continues: its child that ended last, or its start; null if unknown. */
   from(container: string): TakenTransition | null {
     const { ends, isComplete } = this.#endsIn(container);
     const end = ends.at(-1);
@@ -106,7 +106,7 @@ export class RecentPath {
     return this.#ends.get(container) ?? { ends: [], isComplete: false };
   }
 
-  /** The branch that a state belongs to: a child of a concurrency state; empty on the root's. */
+  /** Branch of a state: a child of a concurrency state; empty for the root's branch. */
   branch(path: string): string {
     const known = this.#branches.get(path);
     if (known !== undefined) return known;
@@ -135,7 +135,7 @@ export class RecentPath {
     const path = journal.pathOf(journal.pathNumber(index));
     const parent = parentOf(path);
     if (journal.isBack(index)) {
-      // What an earlier visit of the state did is not kept.
+      // Ends of an earlier visit are not kept.
       this.#ends.delete(path);
       if (parent !== null) this.#untake(path);
       return;
@@ -161,7 +161,7 @@ export class RecentPath {
     this.#ends.set(parent, known);
   }
 
-  /** The branches of a concurrency state end in the one around it. */
+  /** Moves the last steps of a concurrency state's branches to the branch around it. */
   #join(path: string, branchPath: BranchPath): void {
     for (const [branch, { ends, items }] of this.#paths) {
       if (parentOf(branch) !== path) continue;
@@ -171,7 +171,7 @@ export class RecentPath {
     }
   }
 
-  /** The state is entered backwards: its end and all after it have not been. */
+  /** Handles a backward entry: removes the end of the state and all later steps. */
   #undo(path: string, parent: string | null): void {
     const branchPath = this.#pathOf(this.branch(path));
     const at = branchPath.items.findLastIndex((item) => item.path === path);
@@ -191,7 +191,7 @@ export class RecentPath {
     else ends.splice(at, 1);
   }
 
-  /** The state is left backwards: the transition that led to it has not been taken. */
+  /** Handles a backward end: removes the transition that led to the state. */
   #untake(path: string): void {
     const { items } = this.#pathOf(this.branch(path));
     const at = items.findLastIndex((item) => item.path === null && item.goal === path);

@@ -1,4 +1,4 @@
-/** A journal that has grown too long goes on as a shorter one: its newest events, with what is known from before them. */
+/** Shortens a long journal to its newest events, with a summary of the earlier ones. */
 
 import type {
   ActiveSince,
@@ -13,7 +13,7 @@ import { parentOf } from "../../model/path.ts";
 import { ENTERED, Journal, type JournalBase, LEFT, OTHER } from "./journal.ts";
 import { lengthsOf } from "./lengths.ts";
 
-/** So many events that are worth a mark are kept from before, the newest. */
+/** Capacity of notable earlier events; the newest are kept. */
 const NOTABLE_MAX = 5_000;
 
 const NOTABLE: ReadonlySet<Event["type"]> = new Set([
@@ -32,14 +32,14 @@ const NOTABLE: ReadonlySet<Event["type"]> = new Set([
   "damaged",
 ]);
 
-/** The same events with something else known from before them. */
+/** The journal's events with another summary of the earlier ones. */
 export function withBase(journal: Journal, base: JournalBase): Journal {
   const other = new Journal(base);
   other.add(entriesFrom(journal, journal.first), journal.next);
   return other;
 }
 
-/** The newest events. */
+/** A journal with the newest events only. */
 export function rolled(journal: Journal, newest: number): Journal {
   const cut = Math.max(journal.first, journal.length - newest);
   const before = {
@@ -92,7 +92,7 @@ function activeBefore(journal: Journal, cut: number): ActiveSince[] {
     const [sequence, t_ns] = [journal.sequence(index), journal.t_ns(index)];
     if (kind === ENTERED) active.set(path, { path, sequence, t_ns });
   }
-  // What is inside of nothing was dropped with what was around it.
+  // A state without an active parent was dropped along with it.
   const isWhole = (path: string): boolean => {
     const around = parentOf(path);
     return around === null || (active.has(around) && isWhole(around));
@@ -102,7 +102,7 @@ function activeBefore(journal: Journal, cut: number): ActiveSince[] {
 
 type StateDraft = { -readonly [K in keyof EarlierState]: EarlierState[K] };
 
-/** Null while it is not known what had been before the journal itself. */
+/** Null while the history before the journal is unknown. */
 function earlierThan(journal: Journal, cut: number, sequence: number): EarlierHistory | null {
   const { base } = journal;
   if (base && !base.earlier) return null;

@@ -1,4 +1,4 @@
-/** The log of a run, read from its journal as that grows; older lines than the journal has are asked for at the server. */
+/** Log of a run, read from its journal as it grows. Lines older than the journal are requested from the server. */
 
 import type { LogLevel, LogLine, LogPage, Stream } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
@@ -8,16 +8,17 @@ import type { Runs, Watch } from "./run.ts";
 export interface RunLogLine {
   readonly sequence: number;
   readonly t_ns: number;
-  /** The state that wrote it; empty if none did. */
+  /** State that wrote it; empty if none did. */
   readonly path: string;
   readonly level: LogLevel;
   readonly stream: Stream;
   readonly message: string;
 }
 
-/** So many lines are kept, and those that were asked for beside; then all but the newest half go, and can be asked for again. */
+/** Capacity of the lines, in addition to requested ones. When it is exceeded, only the newest half is kept; older lines can be
+ * requested again. */
 const LINES_MAX = 30_000;
-/** So many events are looked through for older lines at first, then twice as many, until so many lines are found. */
+/** Number of events in the first search for older lines. It doubles until `OLDER_LINES` lines are found. */
 const OLDER_EVENTS = 5_000;
 const OLDER_LINES = 100;
 const PAGE = 1_000;
@@ -28,10 +29,10 @@ export class RunLog {
   #journal: Journal;
   #index: number;
   #from: number;
-  /** The first event that was not read. */
+  /** Sequence number of the first unread event. */
   #next = 1;
   #age = 0;
-  /** How many of the lines were asked for. */
+  /** Number of lines that were requested. */
   #asked = 0;
 
   constructor(watch: Pick<Watch, "id" | "journal">) {
@@ -41,22 +42,22 @@ export class RunLog {
     this.#from = this.#journal.from;
   }
 
-  /** Those that are here, the oldest first. The list grows. */
+  /** The available lines, the oldest first. The list grows in place. */
   get lines(): readonly RunLogLine[] {
     return this.#lines;
   }
 
-  /** All lines from this event on are here. */
+  /** Event from which on all lines are available. */
   get from(): number {
     return this.#from;
   }
 
-  /** Another number whenever the lines are others than before, and not only more. */
+  /** Changes when lines were replaced, and not only appended. */
   get age(): number {
     return this.#age;
   }
 
-  /** Goes on to the end of the journal. */
+  /** Reads up to the end of the journal. */
   update(): void {
     const { journal } = this.#watch;
     if (journal !== this.#journal) this.#goOnIn(journal);
@@ -67,7 +68,7 @@ export class RunLog {
     if (this.#lines.length > LINES_MAX + this.#asked) this.#forget();
   }
 
-  /** Asks for lines before those that are here. Throws a `RefusalError`. */
+  /** Requests lines before the available ones. Throws a `RefusalError`. */
   async older(runs: Pick<Runs, "get">): Promise<void> {
     const to = this.#from;
     const found: RunLogLine[] = [];
@@ -99,7 +100,7 @@ export class RunLog {
     return found;
   }
 
-  /** Goes on after the last event that was read, or anew behind a gap. */
+  /** Continues after the last event that was read, or starts again after a gap. */
   #goOnIn(journal: Journal): void {
     this.#journal = journal;
     if (journal.from <= this.#next) {
@@ -121,7 +122,7 @@ export class RunLog {
     }
   }
 
-  /** An event that may have been a line is gone already: there is no gap between lines that are here. */
+  /** Drops all lines before a missing event, because it may have been a line. There are no gaps between lines. */
   #missed(sequence: number): void {
     if (this.#lines.length > 0) this.#age += 1;
     this.#lines = [];
@@ -141,7 +142,7 @@ function lineOf({ sequence, t_ns, path, level, stream, message }: LogLine): RunL
   return { sequence, t_ns, path, level, stream, message };
 }
 
-/** The log of a run around the moment that is shown, the same for all who ask: its end, or that of an earlier part. */
+/** Log of a run around the shown moment, shared by all callers: its newest lines, or those of an earlier part. */
 export function runLog(watch: Watch): RunLog {
   const { id, window, journal } = watch;
   return window === journal ? newestLog(watch) : pastLog(window, id);

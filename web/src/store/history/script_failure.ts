@@ -1,22 +1,21 @@
-/** What the log says of an error by which a state ended: the traceback that was written last before it. */
+/** Traceback of the error that ended a state: the last one logged before the end. */
 
 import { isWithin } from "../../model/path.ts";
 import { readTraceback, type Traceback } from "../../model/traceback.ts";
 import type { Journal } from "./journal.ts";
 
-/** What happened between a script's error and its state's end is little, even in concurrency. */
+/** Greatest number of events to search. Few events separate a script's error from the end of its state, even in concurrency. */
 const LOOK_MAX = 5_000;
 
 export interface ScriptFailure {
   readonly traceback: Traceback;
-  /** The whole text. */
+  /** Whole text of the log line. */
   readonly text: string;
-  /** The state whose script failed: the one that ended, or one inside it. */
+  /** State whose script failed: the one that ended, or one inside it. */
   readonly path: string;
 }
 
-/** The traceback behind the end of a state, between the indices of its entry and its end; null if none was written, or too long
- * ago. */
+/** Traceback of the end of a state, between the indices of its entry and end; null if there is none within `LOOK_MAX` events. */
 export function failureAt(
   journal: Journal,
   path: string,

@@ -1,17 +1,17 @@
-/** A part of a run's time as the server draws it: lanes and rows as of calls that are here, of which most never come. */
+/** A period of a run as the server summarizes it: lanes and rows like those of loaded calls, most of which are never loaded. */
 
 import type { CallEnd, Overview, OverviewBar } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
 import { lowerBound } from "./column.ts";
 import { inOrder } from "./lanes.ts";
 
-/** A bar with its state's path. */
+/** A bar with the path of its state. */
 export interface SeenBar extends Omit<OverviewBar, "place" | "end"> {
   readonly path: string;
   readonly look: CallEnd;
 }
 
-/** Calls at one depth of a branch, one after the other. */
+/** Consecutive bars at one depth of a branch. */
 export class SeenRow {
   readonly bars: readonly SeenBar[];
 
@@ -19,7 +19,7 @@ export class SeenRow {
     this.bars = bars;
   }
 
-  /** Those that show in a part of time. */
+  /** Bars that overlap a period. */
   between(from_ns: number, to_ns: number): readonly SeenBar[] {
     const first = lowerBound(
       this.bars.length,
@@ -47,7 +47,7 @@ interface RowPlace {
   readonly row: number;
 }
 
-/** All lanes, each after the one around it. */
+/** All lanes, each after the lane around it. */
 export function lanesSeen({ concurrent, paths, rows }: Overview): readonly SeenLane[] {
   const split = new Set(concurrent);
   const places = new Map<string, RowPlace>();

@@ -1,15 +1,15 @@
-/** A value over the time of a run, in bounded memory: where there are too many points, each few are the least and the greatest of
- * them from then on. */
+/** A value over the time of a run, in bounded memory. When there are too many points, each group of older ones is reduced to its
+ * least and its greatest. */
 
 import type { JsonValue } from "../../model/generated/protocol.ts";
 import { read } from "../../model/wire.ts";
 import { lowerBound } from "./column.ts";
 
-/** So many points are kept. */
+/** Capacity of the points. */
 export const POINTS_MAX = 4_000;
-/** Of what is no number, so many changes are kept, the newest. */
+/** Capacity of changes to values that are not numbers. The newest are kept. */
 const CHANGES_MAX = 100;
-/** Of so many points two stay. */
+/** Size of the groups that are reduced to two points. */
 const GROUP = 4;
 
 export interface SeriesPoint {
@@ -28,20 +28,20 @@ export class Series {
   #points: SeriesPoint[] = [];
   #changes: ChangeOfValue[] = [];
   #count = 0;
-  /** What came last, if it was no number, as a text. */
+  /** Last value as a text if it was not a number. */
   #last: string | null = null;
 
-  /** Numbers and truths, the oldest first. */
+  /** Numbers and booleans, the oldest first. */
   get points(): readonly SeriesPoint[] {
     return this.#points;
   }
 
-  /** What it was else, whenever that was another one, the oldest first. */
+  /** Changes to values of other types, the oldest first. */
   get changes(): readonly ChangeOfValue[] {
     return this.#changes;
   }
 
-  /** How many values came, kept or not. */
+  /** Number of received values, including dropped ones. */
   get count(): number {
     return this.#count;
   }
@@ -71,7 +71,7 @@ export class Series {
     return this.#points[this.#indexAfter(sequence) - 1] ?? null;
   }
 
-  /** The number before or after an event. */
+  /** Nearest number before or after an event. */
   beside(sequence: number, side: "before" | "after"): SeriesPoint | null {
     const index =
       side === "before" ? this.#indexAfter(sequence - 1) - 1 : this.#indexAfter(sequence);
@@ -86,7 +86,7 @@ export class Series {
   }
 }
 
-/** What can be plotted of a value; null if nothing can. */
+/** Number to plot for a value; null if there is none. */
 function numberOf(value: JsonValue): number | null {
   const found = read(value);
   if (found.kind === "number") return found.value;
@@ -94,7 +94,7 @@ function numberOf(value: JsonValue): number | null {
   return found.kind === "array" && found.shape.length === 0 ? (found.items?.[0] ?? null) : null;
 }
 
-/** The older half of the points thinned to the extremes of each few, in their order. */
+/** Reduces each group in the older half to its extremes, in order. */
 function thinned(points: readonly SeriesPoint[]): SeriesPoint[] {
   const half = points.length >> 1;
   const kept: SeriesPoint[] = [];

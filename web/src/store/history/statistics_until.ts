@@ -1,5 +1,5 @@
-/** How often states had ended until an event, how long they took and how they ended: what the server counts of a whole run, at any
- * moment. From one moment to the next only what ended between them is counted. */
+/** Statistics of states up to an event: number of ends, durations and outcomes. They match the server's statistics of a whole run.
+ * Only the ends between the last request and this one are processed. */
 
 import type { Outcome, StateStatistics } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
@@ -7,11 +7,11 @@ import { lowerBound } from "./column.ts";
 import { type Journal, LEFT } from "./journal.ts";
 import { lengthsOf } from "./lengths.ts";
 
-/** Without names: those are the machine's. */
+/** Without names, which come from the machine. */
 type StatisticsUntil = Omit<StateStatistics, "names">;
 
-/** Of all states that had ended before the event with this index, in the order in which they first did. Rows that did not change are the
- * same objects. */
+/** Rows of all states that had ended before the event with this index, in the order of their first end. Unchanged rows keep their
+ * object. */
 export function statisticsUntil(journal: Journal, index: number): readonly StatisticsUntil[] {
   return endsOf(journal).until(index);
 }
@@ -51,12 +51,12 @@ class StateEnds {
 type SortedLengths = Float64Array<ArrayBuffer>;
 
 class State {
-  /** Indices of the journal, rising. */
+  /** Indices in the journal, ascending. */
   readonly ends: number[] = [];
   readonly #journal: Journal;
   readonly #path: string;
   readonly #outcomes = new Map<number, { outcome: Outcome; count: number }>();
-  /** The lengths of the ends that count, the shortest first; there may be room behind. */
+  /** Durations of the counted ends, ascending; the array may have spare capacity. */
   #sorted = new Float64Array(0);
   #count = 0;
   #total_ns = 0;
@@ -67,7 +67,7 @@ class State {
     this.#path = path;
   }
 
-  /** Null if it had not ended. */
+  /** Null if the state had not ended. */
   until(index: number): StatisticsUntil | null {
     const count = lowerBound(this.ends.length, (place) => (this.ends[place] ?? 0) < index);
     if (count !== this.#count) this.#to(count);
@@ -112,7 +112,7 @@ class State {
   }
 }
 
-/** So many rising numbers with others among them; in place if there is room. */
+/** Merges sorted numbers into the first `count` numbers; in place if there is capacity. */
 function merged(numbers: SortedLengths, count: number, more: SortedLengths): SortedLengths {
   const all = count + more.length;
   const into = all <= numbers.length ? numbers : new Float64Array(2 * all);
@@ -125,7 +125,7 @@ function merged(numbers: SortedLengths, count: number, more: SortedLengths): Sor
   return into;
 }
 
-/** Takes some out of so many rising numbers, in place. */
+/** Removes sorted numbers from the first `count` numbers, in place. */
 function leaveOut(numbers: SortedLengths, count: number, some: SortedLengths): void {
   let [kept, out] = [0, 0];
   for (let at = 0; at < count; at += 1) {

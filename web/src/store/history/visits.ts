@@ -1,4 +1,4 @@
-/** When each state was entered and left, by state: found without walking the journal again. Steps back are left out. */
+/** Entries and ends of each state, indexed so that the journal is read once. Steps back are ignored. */
 
 import type { EarlierState, Outcome } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
@@ -6,7 +6,7 @@ import { lowerBound } from "./column.ts";
 import { ENTERED, type Journal, LEFT } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
-/** Indices of the journal, rising. */
+/** Indices in the journal, ascending. */
 interface StateVisits {
   readonly entered: number[];
   readonly left: number[];
@@ -16,11 +16,11 @@ interface StateVisits {
 export interface Visit {
   readonly sequence: number;
   readonly t_ns: number;
-  /** How it ended; null of an entry. */
+  /** Outcome of an end; null for an entry. */
   readonly outcome: Outcome | null;
 }
 
-/** Those around the moment that is shown, and the last ones from before them. */
+/** Visits around the shown moment, and the last ones before them. */
 export function visitsOf({ window }: Pick<Watch, "window">): Visits {
   return visitsIn(window);
 }
@@ -37,12 +37,12 @@ export class Visits {
     this.#earlier = new Map(states.map((state) => [state.path, state]));
   }
 
-  /** The number of the last event up to `until` by which the state was entered or left; null if there is none. */
+  /** Sequence number of the last entry or end up to `until`; null if there is none. */
   last(kind: "entered" | "left", path: string, until: number | null): number | null {
     return this.lastVisit(kind, path, until)?.sequence ?? null;
   }
 
-  /** The same with when and how. */
+  /** Last entry or end up to `until`, with its time and outcome. */
   lastVisit(kind: "entered" | "left", path: string, until: number | null): Visit | null {
     const index = this.lastIndex(kind, path, until);
     if (index === null) return this.#lastEarlier(kind, path, until);
@@ -60,13 +60,13 @@ export class Visits {
     return { outcome: null, ...turn };
   }
 
-  /** The same as an index of the journal. */
+  /** Index in the journal of the last entry or end up to `until`. */
   lastIndex(kind: "entered" | "left", path: string, until: number | null): number | null {
     const all = this.#of(path)?.[kind] ?? [];
     return all[this.#countTo(all, until) - 1] ?? null;
   }
 
-  /** How often it was entered up to a moment. */
+  /** Number of entries up to a moment. */
   count(path: string, until: number | null): number {
     const all = this.#of(path)?.entered ?? [];
     const known = this.#earlier.get(path);
@@ -81,7 +81,7 @@ export class Visits {
     );
   }
 
-  /** The last number before the journal's next event: values that were written with an event are there by then. */
+  /** Last sequence number before the journal's next event. Values written with an event exist by then. */
   untilNext(sequence: number): number {
     const next = this.#journal.indexOf(sequence + 1);
     return (next < this.#journal.length ? this.#journal.sequence(next) : this.#journal.next) - 1;
@@ -102,7 +102,7 @@ export class Visits {
     for (; this.#next < journal.length; this.#next += 1) {
       const kind = journal.kind(this.#next);
       if ((kind !== ENTERED && kind !== LEFT) || journal.isBack(this.#next)) continue;
-      // Of earlier ends only some are here; the last ones are known otherwise.
+      // Only some earlier ends are in the journal; the last ones come from its base.
       if (kind === LEFT && this.#next < journal.first) continue;
       const path = journal.pathOf(journal.pathNumber(this.#next));
       const state = this.#states.get(path) ?? { entered: [], left: [] };
