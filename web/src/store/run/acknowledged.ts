@@ -1,4 +1,4 @@
-/** Which failures of a run somebody has acknowledged, in this browser: kept in its storage by run. */
+/** Acknowledged failures of runs, stored in this browser by run. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals-core";
 import { perOwner } from "../../model/per_owner.ts";
@@ -10,7 +10,7 @@ import { BROWSER_STORE, kept, type LocalStore } from "../local_store.ts";
 import { openDecisions } from "./decisions.ts";
 
 const KEY = "rafcon.acknowledged";
-/** So many runs are remembered, and so many sequence numbers of each: those that were acknowledged last. */
+/** Capacity in runs, and in sequence numbers per run. The most recent acknowledgements are kept. */
 const RUNS_MAX = 50;
 const KEPT_MAX = 2_000;
 
@@ -23,28 +23,28 @@ interface RunFailures {
   readonly dropped: ReadonlySignal<DroppedFailures>;
 }
 
-/** What wants acknowledgement, and what was acknowledged already; the oldest first. */
+/** Failures of a run, acknowledged or not, the oldest first. */
 export function failures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
   return about(watch).failures;
 }
 
-/** The failures that nobody has acknowledged here; the oldest first. */
+/** Failures that nobody has acknowledged in this browser, the oldest first. */
 export function openFailures(watch: FailuresWatch): ReadonlySignal<readonly RunFailure[]> {
   return about(watch).open;
 }
 
-/** How many failures are not listed any more. */
+/** Numbers of failures that were dropped from the list. */
 export function droppedFailures(watch: FailuresWatch): ReadonlySignal<DroppedFailures> {
   return about(watch).dropped;
 }
 
-/** How many things of a run want a human: questions, decisions and failures. */
+/** Number of items of a run that need a person: questions, decisions and failures. */
 export function countUnacknowledged(watch: Watch | null): number {
   if (!watch) return 0;
   return openQuestions(watch).length + openDecisions(watch) + openFailures(watch).value.length;
 }
 
-/** The sequence numbers of what was acknowledged. */
+/** Sequence numbers of acknowledged failures. */
 export function acknowledged(watch: FailuresWatch): ReadonlySignal<ReadonlySet<number>> {
   return about(watch).acknowledged;
 }
@@ -87,7 +87,7 @@ const about = perOwner((watch: FailuresWatch, localStore?: LocalStore): RunFailu
 
 type ByRun = Readonly<Record<string, readonly number[]>>;
 
-/** What was acknowledged of all runs, here and in the other tabs of the browser. */
+/** Acknowledgements of all runs, from this tab and the other tabs of the browser. */
 const knownIn = perOwner((localStore: LocalStore) => {
   const known = signal(readKept(localStore));
   localStore.whenOther(KEY, () => {
@@ -96,7 +96,7 @@ const knownIn = perOwner((localStore: LocalStore) => {
   return known;
 });
 
-/** Both; the lists of runs that have nothing new stay the same. */
+/** Merges both. Lists without new numbers keep their object. */
 function withMore(before: ByRun, more: ByRun): ByRun {
   const entries = Object.entries(more).map(([run, news]) => {
     const own = before[run] ?? [];

@@ -1,4 +1,4 @@
-/** What is active in a run at the moment that the page shows: of the latest truth while live, else of the picture of the moment. */
+/** Active states of a run at the shown moment: from the latest status while live, otherwise from the picture of the moment. */
 
 import { computed } from "@preact/signals-core";
 import type {
@@ -21,18 +21,18 @@ export interface Active {
   readonly path: string;
   readonly name: string;
   readonly phase: Phase;
-  /** How long it has been active, as of the truth that is shown. */
+  /** Time since its entry, as of the shown status. */
   readonly since_ms: number;
-  /** The child of a concurrency state whose branch it belongs to; empty on the root's branch. */
+  /** Child of a concurrency state that starts its branch; empty on the root's branch. */
   readonly branch: string;
-  /** For what it waits. */
+  /** Reason for waiting. */
   readonly detail: string | null;
   readonly held: readonly Hold[];
 }
 
 const activeSignal = perOwner((watch: Watch) => computed(() => found(watch)));
 
-/** The active states, a parent before its children. A signal's reader. */
+/** Active states, parents before their children. Reads signals. */
 export function activeStates(watch: Watch): readonly Active[] {
   return activeSignal(watch).value;
 }
@@ -43,7 +43,7 @@ function found(watch: Watch): readonly Active[] {
   return picture ? ofPicture(picture) : [];
 }
 
-/** The innermost active states, one a branch. A branch that is held before its first state stands with its concurrency state. */
+/** Innermost active states, one per branch. A branch that is held before its first state is listed with its concurrency state. */
 export function lanes(active: readonly Active[]): readonly Active[] {
   const inner = new Set(active.map(({ path }) => parentOf(path)));
   return active.flatMap((state) => {
@@ -56,7 +56,7 @@ function heldBranch(state: Active, hold: Hold): Active {
   return { ...state, phase: "held", branch: hold.next ?? state.branch, held: [hold] };
 }
 
-/** By what a branch is held before a state that comes next; null if none is. */
+/** Holder of a branch before its next state `path`; null if no branch is held there. */
 export function heldBefore(active: readonly Active[], path: string): HeldBy | null {
   for (const { held } of active) {
     const hold = held.find(({ next }) => next === path);
@@ -65,21 +65,21 @@ export function heldBefore(active: readonly Active[], path: string): HeldBy | nu
   return null;
 }
 
-/** Whether a breakpoint holds a branch. */
+/** True if the breakpoint holds a branch. */
 export function isHolding(active: readonly Active[], breakpoint: number): boolean {
   return active.some(({ held }) =>
     held.some(({ by }) => by.type === "breakpoint" && by.id === breakpoint),
   );
 }
 
-/** The path that a lane is at: the state that is active, or before which the branch is held. */
+/** Current path of a lane: the active state, or the state before which the branch is held. */
 export function placeOfLane({ path, held: [hold] }: Active): string {
   return hold?.next ?? path;
 }
 
 const NONE: readonly Active[] = [];
 
-/** What the runner said last is true as long as it runs; scripts that a crash cut off are interrupted. */
+/** The last snapshot is valid while the run is active. After a crash, running scripts count as interrupted. */
 function ofNow(now: RunNow | null): readonly Active[] {
   switch (now?.run.phase) {
     case "starting":
@@ -100,7 +100,7 @@ function ofSnapshot(snapshot: Snapshot | null): readonly Active[] {
   return snapshot.active.map((state) => answered(state, asked));
 }
 
-/** A script that asks waits for people, whatever else it does. */
+/** A script with an open question counts as waiting. */
 function answered(state: ActiveState | Active, asked: ReadonlySet<string>): Active {
   if (state.phase !== "running" || !asked.has(state.path)) return state;
   return { ...state, phase: "waiting", detail: AN_ANSWER };
@@ -136,7 +136,7 @@ function phaseOf(held: readonly Hold[], detail: string | null): Phase {
   return held.length > 0 ? "held" : "running";
 }
 
-/** Pictures name no branches: they part where several children of one state are active or held. */
+/** Derives the branches, which a picture does not contain: they begin where several children of a state are active or held. */
 function branches(
   active: readonly MomentState[],
   holds: ReadonlyMap<string, readonly Hold[]>,

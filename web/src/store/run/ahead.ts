@@ -1,11 +1,11 @@
-/** Values of a robot's run that are here before their events: what the user watches, while older events are still to come. */
+/** Watched values of a robot's run that arrive ahead of their events, while older events are still missing. */
 
 import type { WatchedValue, WatchTarget } from "../../model/generated/protocol.ts";
 import { aheadKey } from "../history/ahead.ts";
 import type { Watch } from "../history/run.ts";
 import type { Target } from "./watched_values.ts";
 
-/** The value, if its event is not here yet and the present is shown. */
+/** The value, if its event is still missing and the present is shown. */
 export function aheadOf(watch: Watch, target: Target): WatchedValue | null {
   const found = watch.ahead.value.values.get(aheadKey(target));
   if (!found || watch.playhead.value !== null) return null;
@@ -13,7 +13,7 @@ export function aheadOf(watch: Watch, target: Target): WatchedValue | null {
   return found.sequence >= watch.journal.next ? found : null;
 }
 
-/** What the server is asked for: values before whole states, the first of what is watched first. */
+/** Watch request to the server: single values before whole states, earlier watches first. */
 export function wishOf(
   targets: readonly Target[],
   states: readonly string[] = [],

@@ -1,4 +1,4 @@
-/** How long things usually take: a run of this machine, and each of its states; by earlier runs and by what this one did so far. */
+/** Usual durations of a run and of its states, from earlier runs of the machine and from this one. */
 
 import { type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import type { RunSummary, Statistics } from "../../model/generated/protocol.ts";
@@ -9,22 +9,22 @@ import { RefusalError } from "../page/server.ts";
 import type { Active } from "./active.ts";
 import { summaryOf } from "./running.ts";
 
-/** How long a state was active: never longer than `max_ms`. */
+/** Usual duration of a state. `max_ms` is the longest one. */
 export interface Baseline {
-  /** Half of the times it took no longer, of so many that this says something; else the mean of the few times. */
+  /** Median duration if there are enough of them; otherwise the mean. */
   readonly typical_ms: number;
   readonly isMedian: boolean;
   readonly max_ms: number;
-  /** How often it was seen. */
+  /** Number of durations. */
   readonly count: number;
 }
 
-/** So often a state has to have run before anything is usual; then earlier runs do not count any more. */
+/** Number of durations for a median. With this many in the current run, earlier runs no longer count. */
 const ENOUGH = 5;
-/** It runs longer than ever when it runs so much longer than it ever did. */
+/** Margins over the longest duration, as a factor and in ms. Both must be exceeded. */
 const LONGER = 1.1;
 const LONGER_MS = 1_000;
-/** Of so many earlier runs the length is looked at, the newest. */
+/** Number of earlier runs to consider, the newest ones. */
 const RUNS_MAX = 20;
 
 /** Capacity of the cache of earlier runs. */
@@ -32,7 +32,7 @@ const PAST_MAX = 50;
 const PAST = new Map<string, Signal<ReadonlyMap<string, Baseline>>>();
 const NONE: ReadonlyMap<string, Baseline> = new Map();
 
-/** Runs of the same machine that came to a good end before, the newest first. */
+/** Earlier runs of the machine that finished neither aborted nor preempted, the newest first. */
 export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
   const own = summaryOf(page, watch);
   const file = own?.machine;
@@ -47,7 +47,7 @@ export function earlierRuns(page: Page, watch: Watch): readonly RunSummary[] {
   return page.runs.all.value.filter(isLike).slice(0, RUNS_MAX);
 }
 
-/** How long such a run took before, in ms: usually, if there were enough, else on average; null if there were none. */
+/** Expected duration of a run, in ms: the median if there are enough earlier runs, otherwise the mean; null without any. */
 export function expectedLength(
   earlier: readonly Pick<RunSummary, "length_ms">[],
 ): { readonly length_ms: number; readonly isMedian: boolean } | null {
@@ -65,7 +65,7 @@ function median(lengths: readonly number[]): number {
   return (low + high) / 2;
 }
 
-/** How long states of this machine were active in an earlier run; asked for once, and empty until that is here. */
+/** Durations of states in an earlier run. Requested once; empty until they arrive. */
 export function pastBaselines(
   page: Page,
   run: string | null,
@@ -73,7 +73,7 @@ export function pastBaselines(
   if (run === null) return NOTHING;
   const before = PAST.get(run);
   const known = before ?? signal(NONE);
-  // The run that was asked for last comes last, the first one makes room.
+  // The last requested run moves to the end, and the first one is evicted.
   PAST.delete(run);
   PAST.set(run, known);
   const [oldest] = PAST.keys();
@@ -100,7 +100,7 @@ async function ask(page: Page, run: string, into: Signal<ReadonlyMap<string, Bas
   }
 }
 
-/** How long a state usually takes; null if nobody knows. */
+/** Usual duration of a state; null if unknown. */
 export function baselineOf(
   { journal }: Watch,
   past: ReadonlyMap<string, Baseline>,
@@ -114,8 +114,8 @@ export function baselineOf(
   return { typical_ms: typical_ns / 1e6, isMedian, max_ms: own.max_ns / 1e6, count: own.ends };
 }
 
-/** Whether a state takes longer than it ever did, of so many times that this says something. What waits, or is held, takes the
- * time of somebody else. */
+/** True if a state takes longer than ever before, compared with enough durations. Waiting and held states never do, because their
+ * time depends on others. */
 export function isLongerThanEver(
   { phase }: Pick<Active, "phase">,
   baseline: Baseline,
@@ -126,7 +126,7 @@ export function isLongerThanEver(
   return isMedian && isAtWork && since_ms > max_ms * LONGER && since_ms > max_ms + LONGER_MS;
 }
 
-/** The same in words: `usually 1.3 s, at most 4 s (12 times)`. */
+/** Describes a baseline: `usually 1.3 s, at most 4 s (12 times)`. */
 export function usualInWords(baseline: Baseline, duration: (ms: number) => string): string {
   const { typical_ms, isMedian, max_ms, count } = baseline;
   if (count === 1) return `${duration(typical_ms)} the one time before`;

@@ -1,4 +1,4 @@
-/** Breakpoints of a machine: those of the run that goes on, else those that this browser keeps for the next start. */
+/** Breakpoints of a machine: those of its active run, otherwise those stored in this browser for the next start. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Breakpoint } from "../../model/generated/protocol.ts";
@@ -11,7 +11,7 @@ type KeptBreakpoints = Signal<readonly Breakpoint[]>;
 
 const keptIn = perOwner((_localStore: LocalStore) => new Map<string, KeptBreakpoints>());
 
-/** What is kept for the next start of the machine of a tab. */
+/** Breakpoints for the next start of a tab's machine. */
 export function keptBreakpoints(
   tab: OpenTab,
   localStore: LocalStore = BROWSER_STORE,
@@ -26,7 +26,7 @@ export function keptBreakpoints(
   return kept;
 }
 
-/** What is kept there: put there when it changes here, and taken from there when another tab of the browser changed it. */
+/** Stored breakpoints: written when they change here, and read when another tab of the browser changes them. */
 function followingStore(localStore: LocalStore, key: string): KeptBreakpoints {
   const there = () => {
     const found = localStore.get(key);
@@ -47,7 +47,7 @@ function keyOf(tab: OpenTab): string {
 
 const NONE: readonly Breakpoint[] = [];
 
-/** All breakpoints that count on a tab now. A signal's reader. */
+/** Breakpoints in effect on a tab. Reads signals. */
 export function breakpointsOf(
   tab: OpenTab,
   localStore: LocalStore = BROWSER_STORE,
@@ -57,7 +57,7 @@ export function breakpointsOf(
   return keptBreakpoints(tab, localStore).value;
 }
 
-/** The list with the breakpoint in it, instead of the one with the same id. */
+/** The list with the breakpoint added, or replaced by id. */
 export function withBreakpoint(
   all: readonly Breakpoint[],
   breakpoint: Breakpoint,
@@ -66,7 +66,7 @@ export function withBreakpoint(
   return [...others, breakpoint].sort((one, other) => one.id - other.id);
 }
 
-/** A number that no breakpoint has, of the run or for the next start. */
+/** An id that no breakpoint of the run or of the next start has. */
 export function freshId(tab: OpenTab, localStore: LocalStore = BROWSER_STORE): number {
   const live = liveRun(tab);
   const all = [

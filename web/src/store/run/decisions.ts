@@ -1,9 +1,9 @@
-/** What a crash leaves to people: whether, and how, a run is resumed, and what becomes of scripts that it interrupted. */
+/** Decisions after a crash: resuming the run, and handling the scripts that it interrupted. */
 
 import type { Watch } from "../history/run.ts";
 import { activeStates } from "./active.ts";
 
-/** How many decisions a run waits for now. A signal's reader. */
+/** Number of decisions that a run waits for now. Reads signals. */
 export function openDecisions(watch: Watch): number {
   const phase = watch.now.value?.run.phase;
   if (phase === "crashed") return 1;

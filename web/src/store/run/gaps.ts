@@ -1,5 +1,5 @@
-/** Times of a run during which this page was not told: no connection to the server, or the server had none to the run, or the run's
- * program did not answer. What happened then was told afterwards. At a station, also what it does not have yet. */
+/** Periods of a run without news: no connection to the server, none between server and run, or no response from the run's program.
+ * Their events arrived later. At a station, also the data that it does not have yet. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { RunNow } from "../../model/generated/protocol.ts";
@@ -10,23 +10,23 @@ import type { Page } from "../page/page.ts";
 export interface Gap {
   /** In ns since the start of the run. */
   readonly from_ns: number;
-  /** Null while it goes on. */
+  /** Null while the gap is open. */
   readonly to_ns: number | null;
 }
 
 type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
 type LinkedPage = { readonly server: Pick<Page["server"], "link"> };
 
-/** Capacity. Beyond it the two oldest gaps become one: time without news must not look received. */
+/** Capacity. Beyond it the two oldest gaps are merged, because periods without news must stay marked. */
 const GAPS_MAX = 200;
 
-/** The gaps since this was asked for first. A gap ends with the first truth that is told after it. */
+/** Gaps since the first request. A gap ends with the first status received after it. */
 export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<readonly Gap[]> => {
   const gaps = signal<readonly Gap[]>([]);
   let before: RunNow | null = null;
   const stop = effect(() => {
     const now = watch.now.value;
-    // Of a run that is over the link is not followed: nothing keeps it when the page has left it.
+    // The link of a finished run is not followed, because nothing updates it after the page has left the run.
     const isLive = now?.run.phase === "live";
     const isAway = isLive && (page.server.link.value.state !== "up" || now.link !== "up");
     const last = gaps.peek().at(-1);
@@ -48,7 +48,8 @@ function bounded(gaps: readonly Gap[]): readonly Gap[] {
   return [{ from_ns: first.from_ns, to_ns: second.to_ns }, ...others];
 }
 
-/** What a robot has recorded and its station does not have yet: from the end of the history to the state that came ahead of it. */
+/** Data that a robot has recorded and its station does not have yet: from the end of the history to the state that arrived ahead of
+ * it. */
 export function lackingOf({ now, journal }: Pick<Told, "now" | "journal">): readonly Gap[] {
   const told = now.value;
   if (!told?.robot?.missing) return [];
@@ -57,13 +58,13 @@ export function lackingOf({ now, journal }: Pick<Told, "now" | "journal">): read
   return to_ns > from_ns ? [{ from_ns, to_ns }] : [];
 }
 
-/** How far the run had come when it was heard last. */
+/** Elapsed time of the run when it was last received. */
 function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
   const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   return Math.max(told, heardAt(now.peek()) * 1e6);
 }
 
-/** The time since the start when the run's program was heard last, in ms: it may have had nothing to say for long. */
+/** Elapsed time when the run's program was last received, in ms. Its last snapshot may be older. */
 function heardAt(now: RunNow | null): number {
   if (!now?.snapshot || now.snapshot_ms === null) return 0;
   const sinceSnapshot_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;

@@ -1,17 +1,16 @@
-/** How hot states are in a run: by how often they were entered, or how long they ran altogether. Of what is counted: all
- * that was told of the run, or what had happened by a moment. */
+/** Heat of states in a run: by number of entries, or by total duration. The counts cover all received events, or those up to a moment. */
 
 import type { CountUntil } from "../history/counts_until.ts";
 import type { HeatMode } from "../page/view.ts";
 
 interface HeatOfRun {
-  /** From 0, hardly, to the number of levels, by path. Only states that ran are in it. */
+  /** Level by path, from 0 to the number of levels. Contains only states that ran. */
   readonly levels: ReadonlyMap<string, number>;
-  /** What the hottest innermost state has: entries, or ms. */
+  /** Greatest amount of an innermost state: entries, or ms. */
   readonly most: number;
 }
 
-/** Containers take as long as all inside them: the innermost states say how hot hot is. */
+/** Computes the levels. Innermost states define the scale, because containers include the time of everything inside them. */
 export function heatOf(
   counts: Iterable<CountUntil>,
   mode: Exclude<HeatMode, "off">,
@@ -34,7 +33,7 @@ export function heatOf(
 const byCount = ({ entries }: CountUntil) => entries;
 const byTime = ({ total_ns }: CountUntil) => total_ns / 1e6;
 
-/** Even steps for the eye: ten times as much is as far from ten as ten from one. */
+/** Logarithmic scale: equal factors make equal steps. */
 function level(amount: number, most: number, levels: number): number {
   if (most <= 0) return 0;
   return Math.min(levels, Math.round((levels * Math.log1p(amount)) / Math.log1p(most)));

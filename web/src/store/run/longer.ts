@@ -1,4 +1,4 @@
-/** Which branches of a run are in a state for longer than they ever were. */
+/** Finds the branches of a run that are in a state for longer than ever before. */
 
 import type { Watch } from "../history/run.ts";
 import { clock1s } from "../page/clock1s.ts";
@@ -16,12 +16,13 @@ import { confirmedSinceSnapshot } from "./since_snapshot.ts";
 
 export interface Longer {
   readonly path: string;
-  /** So long it has been there. */
+  /** Time since its entry. */
   readonly since_ms: number;
   readonly baseline: Baseline;
 }
 
-/** Live runs only, by the time in which the run was received. Null while the run may be old. Reads signals, changes once a second. */
+/** Branches of a live run, measured by the time in which the run was received. Null while its state may be old. Reads signals;
+ * updated once a second. */
 export function longerThanEver(page: Page, watch: Watch): readonly Longer[] | null {
   if (watch.now.value?.run.phase !== "live" || watch.playhead.value !== null) return [];
   if (runAge(page, watch, clock1s.value).isOld) return null;

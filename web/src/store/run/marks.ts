@@ -1,5 +1,5 @@
-/** What the canvas shows of a run on states and transitions, at the moment that the page shows: what each state does, what ended
- * lately, what failed and nobody has acknowledged, and where a held branch will go. */
+/** Marks of a run on the canvas at the shown moment: activity of each state, recent ends, unacknowledged failures, and the next
+ * transition of held branches. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
 import { type ElementKey, keyOf } from "../../model/element.ts";
@@ -21,7 +21,7 @@ import type { Watch } from "../history/run.ts";
 import { openFailures } from "./acknowledged.ts";
 import { type Active, activeStates, lanes } from "./active.ts";
 
-/** `next`: a held branch will enter it. `inside`: it is quiet itself. */
+/** `next`: a held branch will enter it. `inside`: only states inside it are marked. */
 export type MarkPhase =
   | "running"
   | "waiting"
@@ -32,47 +32,47 @@ export type MarkPhase =
   | "trail"
   | "inside";
 
-/** What a state does in a run. */
+/** Status of a state in a run. */
 export interface RunMark {
   readonly phase: MarkPhase;
-  /** The loudest of itself and all that is inside it. */
+  /** Most urgent phase of the state and all states inside it. */
   readonly loudest: MarkPhase;
-  /** The same without what failed: what goes on, or wants a human, is not hidden by that. */
+  /** Most urgent phase other than `failed`, so that failures hide neither activity nor states that need a person. */
   readonly loudestActive: MarkPhase;
-  /** Whether it is active and nothing inside it is. */
+  /** True if it is active and no state inside it is. */
   readonly isLeaf: boolean;
-  /** How many branches are active inside it. */
+  /** Number of active branches inside it. */
   readonly lanes: number;
-  /** How many states of its branch have ended since it did; 0 if it did not. */
+  /** Number of states of its branch that ended since it did; 0 if it has not ended. */
   readonly age: number;
-  /** How long it had been active when that was said; null if it is not. */
+  /** Time since its entry, as of the snapshot; null if it is not active. */
   readonly since_ms: number | null;
-  /** Whether it ended because it was preempted. */
+  /** True if it ended because it was preempted. */
   readonly preempted: boolean;
-  /** Whether it failed and nobody has acknowledged it. */
+  /** True if it failed and nobody has acknowledged it. */
   readonly failed: boolean;
-  /** More than its phase says: for what it waits. */
+  /** Details of its phase: the reason for waiting. */
   readonly detail: string | null;
 }
 
-/** A transition that was taken so many steps ago, or that is the next one of a held branch. */
+/** A transition that was taken `age` steps ago, or that is the next one of a held branch. */
 export interface LineMarkOfRun {
   readonly isNext: boolean;
   readonly age: number;
-  /** The event that took it. */
+  /** Sequence number of the event that took it. */
   readonly sequence: number;
 }
 
 interface RunMarks {
   readonly states: ReadonlyMap<string, RunMark>;
   readonly lines: ReadonlyMap<ElementKey, LineMarkOfRun>;
-  /** How often a state had been entered. */
   /** Errors of the states that failed. */
   readonly errors: ReadonlyMap<string, string>;
+  /** Number of entries of a state. */
   readonly visits: (path: string) => number;
 }
 
-/** From the quietest to the loudest. */
+/** In ascending urgency. */
 const LOUDNESS: readonly MarkPhase[] = [
   "inside",
   "trail",
@@ -88,7 +88,7 @@ const marksOf = perOwner((watch: Watch) =>
   perOwner((session: MachineSession) => following(watch, session)),
 );
 
-/** The marks of a run on a machine. A signal's reader. */
+/** Marks of a run on a machine. Reads signals. */
 export function runMarks(watch: Watch, session: MachineSession): RunMarks {
   return marksOf(watch)(session).value;
 }
@@ -120,7 +120,7 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
       errors: failed,
       lines: lineMarks(activeStates(watch), recentPath, session.machine),
       visits: (path) => {
-        // The part around the moment, or what had been before it, may be on its way.
+        // The part around the moment, or the counts before it, may still be loading.
         if (!window.hasCounts || (until !== null && !window.covers(until))) return 0;
         if (until === null) return window.counts.get(path)?.entries ?? 0;
         return countsUntil(window, index).entries(path);
@@ -129,13 +129,13 @@ function following(watch: Watch, session: MachineSession): ReadonlySignal<RunMar
   });
 }
 
-/** The event after which everything is shown; null while live. */
+/** Last event that is shown; null while live. */
 function shownUntil(watch: Watch): number | null {
   if (watch.playhead.value === null) return null;
   return watch.playheadSnapshot.value?.picture.sequence ?? watch.playhead.value;
 }
 
-/** The states that failed up to an event, from where it began to where it was taken care of, with the error of each. */
+/** States that failed up to an event, from the origin of the error to where it was handled, with their errors. */
 export function failedStates(
   open: readonly RunFailure[],
   until: number,
@@ -153,7 +153,7 @@ export function failedStates(
 
 type RunMarkDraft = { -readonly [K in keyof RunMark]: RunMark[K] };
 
-/** The marks of states by path: their own, and of all around them how loud it is inside. */
+/** Marks of states by path: their own, and for outer states the urgency of inner ones. */
 export function stateMarks(
   active: readonly Active[],
   recentPath: RecentPath,
@@ -180,7 +180,7 @@ export function stateMarks(
   return marks;
 }
 
-/** What is active now says what a state is, whatever it was before. */
+/** Marks active states. They override all earlier marks. */
 function activeMarks(
   active: readonly Active[],
   mark: (path: string, phase: MarkPhase) => RunMarkDraft,
@@ -205,7 +205,7 @@ function activeMarks(
   }
 }
 
-/** The states around branches that wait, in which nothing is at work: they wait too. */
+/** States around waiting branches in which no branch is busy. They count as waiting, too. */
 function stillAround(active: readonly Active[]): readonly string[] {
   const busy = new Set<string>();
   const inner = new Set(active.map(({ path }) => parentOf(path)));
@@ -233,7 +233,7 @@ function newMark(): RunMarkDraft {
   };
 }
 
-/** Trails of what is inside are of no weight around it. */
+/** Raises the urgency of a state and the states around it. Trails do not affect outer states. */
 function spread(
   path: string,
   phase: MarkPhase,
@@ -273,7 +273,7 @@ function lineMarks(
   return marks;
 }
 
-/** The transition's key; null if the machine has none such, or it leads elsewhere than it must. */
+/** Key of the transition; null if the machine has no such transition, or if it has another target. */
 export function transitionOf(
   machine: Machine,
   { container, from, outcome }: TakenTransition,

@@ -1,11 +1,10 @@
-/** Which values stand at which ports, at the moment that the page shows: inputs and variables of what is active, outputs of what
- * ended inside it. */
+/** Values at ports at the shown moment: inputs and variables of active states, outputs of states that ended inside them. */
 
 import { type ElementKey, keyOf } from "../../model/element.ts";
 import type { Moment } from "../../model/generated/protocol.ts";
 import { type Machine, type PortKind, portsOf } from "../../model/machine.ts";
 
-/** Values as the picture has them, by the key of their port. */
+/** Values of the picture by the key of their port. */
 export function portValues(picture: Moment, machine: Machine): ReadonlyMap<ElementKey, unknown> {
   const found = new Map<ElementKey, unknown>();
   const put = (path: string, kind: PortKind, values: Readonly<Record<string, unknown>> | null) => {

@@ -1,11 +1,12 @@
-/** How far a run has come. */
+/** Progress of a run. */
 
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 import { truthAge } from "./age.ts";
 import { saidAt } from "./run_clock.ts";
 
-/** In ms since its start, whatever moment is shown: while it goes on, until it was heard last; at least to its last event. */
+/** Elapsed time of a run in ms, whatever moment is shown. For an active run, the time until it was last received; at least the time
+ * of its last event. */
 export function progressAt(page: Pick<Page, "server">, watch: Watch, now_ms: number): number {
   const { journal, now } = watch;
   const told_ms = journal.length > 0 ? journal.t_ns(journal.length - 1) / 1e6 : 0;

@@ -1,4 +1,4 @@
-/** How long there still is time to answer a question of a state. */
+/** Remaining time to answer a question of a state. */
 
 import type { Question } from "../../model/generated/protocol.ts";
 import { askedQuestions } from "../history/questions.ts";
@@ -8,7 +8,8 @@ import { elapsedNow } from "./run_clock.ts";
 
 type Asking = Pick<Watch, "now" | "journal" | "journalVersion">;
 
-/** Whole seconds that are left now, whatever moment is shown, in ms; null without a deadline, or before it is known when it was asked. A signal's reader. */
+/** Remaining time at present, whatever moment is shown: whole seconds, in ms. Null without a deadline, or while the time of the
+ * question is unknown. Reads signals. */
 export function timeLeft(
   page: Pick<Page, "server">,
   watch: Asking,
@@ -21,7 +22,7 @@ export function timeLeft(
   return Math.max(0, Math.ceil(left_ms / 1_000)) * 1_000;
 }
 
-/** Those whose time is over first come first, those without a deadline last; else as they were asked. A signal's reader. */
+/** Sorts questions by deadline, those without one last; equal ones in the order in which they were asked. Reads signals. */
 export function byUrgency(
   watch: Pick<Watch, "journal" | "journalVersion">,
   questions: readonly Question[],

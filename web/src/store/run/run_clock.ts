@@ -1,16 +1,16 @@
-/** How long a run has gone on: by the latest truth, and by the time since that was said. */
+/** Elapsed time of a run: from its latest snapshot, plus the time since then. */
 
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 
-/** When the runner said what is shown, by this browser's clock; null before it said anything. */
+/** Time of the shown snapshot by this browser's clock; null before the first. */
 export function saidAt(page: Pick<Page, "server">, watch: Pick<Watch, "now">): number | null {
   const said_ms = watch.now.value?.snapshot_ms ?? null;
   return said_ms === null ? null : said_ms - (page.server.pulse.value?.ahead_ms ?? 0);
 }
 
-/** The time since the start, in ms, whatever moment is shown; of a run that is over its length. While the run goes on it is
- * reckoned on from what the runner said last. */
+/** Elapsed time in ms, whatever moment is shown. For a run that is over, its length. For a live run it is extrapolated from the
+ * latest snapshot. */
 export function elapsedNow(
   page: Pick<Page, "server">,
   watch: Pick<Watch, "now">,

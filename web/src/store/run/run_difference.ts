@@ -1,4 +1,4 @@
-/** Whether the machine of a tab is another one than that which its run goes by; how they are drawn does not matter. */
+/** Compares the machine of a tab with that of its run. The layout is ignored. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import { differences } from "../../model/difference.ts";
@@ -10,23 +10,23 @@ import type { Runs, Watch } from "../history/run.ts";
 import type { OpenTab } from "../page/page.ts";
 import { RefusalError } from "../page/server.ts";
 
-/** Compared when nothing has changed for so long. */
+/** Delay from the last change to the comparison. */
 const SETTLED_MS = 300;
-/** What could not be had is asked for again after so long. */
+/** Retry interval of a failed request. */
 const AGAIN_MS = 2_000;
 
 const differencesOf = perOwner((tab: OpenTab) =>
   perOwner((watch: Watch, runs: Runs) => followed(tab, watch, runs)),
 );
 
-/** One signal for a tab and a run; it is kept up only while somebody looks. */
+/** Signal for a tab and a run: true if the machines differ. It is updated only while it has listeners. */
 export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
   return differencesOf(tab)(watch, runs);
 }
 
 function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
   let ran: Machine | null = null;
-  /** The machine that is here, and the one that was asked for last; null: none. */
+  /** Loaded machine, and the last requested one, by hash; null for none. */
   let known: string | null = null;
   let asked: string | null = null;
   let again: ReturnType<typeof setTimeout> | undefined;
@@ -55,7 +55,7 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
   };
   const look = () => {
     const wanted = rootOf(watch);
-    // Before anything is told of the run, its machine may not be kept yet.
+    // Before the first event of the run, its machine may not be stored yet.
     if (wanted === asked || watch.journal.length === 0) return;
     clearTimeout(again);
     asked = wanted;
@@ -83,7 +83,7 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
 
 const lastRoot = perOwner((_journal: Watch["journal"]) => ({ at: 0, root: "" }));
 
-/** The machine that the run goes by now, as its journal says; empty: that of the start. */
+/** Hash of the machine that the run uses, from its journal; empty for the machine of the start. */
 function rootOf(watch: Watch): string {
   watch.journalVersion.value;
   const found = lastRoot(watch.journal);

@@ -1,4 +1,4 @@
-/** Which run a tab shows, and whether that goes on. */
+/** The run of a tab, and whether it is active. */
 
 import type { MachineFile, RunSummary, Session, Snapshot } from "../../model/generated/protocol.ts";
 import { isSame } from "../../model/json.ts";
@@ -6,18 +6,18 @@ import type { Watch } from "../history/run.ts";
 import type { OpenTab, Page } from "../page/page.ts";
 import { truthAge } from "./age.ts";
 
-/** The folder of the machine of a tab; of a machine as it ran that which the run was started from. */
+/** Folder of a tab's machine. For a machine as it ran, the folder from which the run was started. */
 export function fileOfTab(tab: OpenTab): MachineFile | null {
   const own = tab.session.status.value?.summary.file;
   return own ?? tab.run.value?.now.value?.run.machine ?? null;
 }
 
-/** The line about the run; from the list until its own truth is here. */
+/** Summary of a run; from the list until its status has arrived. */
 export function summaryOf(page: Page, watch: Watch): RunSummary | null {
   return watch.now.value?.run ?? page.runs.all.value.find(({ id }) => id === watch.id) ?? null;
 }
 
-/** The run on the tab if it goes on. */
+/** Run of the tab if it is active. */
 export function liveRun(tab: OpenTab | null): Watch | null {
   const watch = tab?.run.value ?? null;
   const phase = watch?.now.value?.run.phase;
@@ -28,7 +28,7 @@ export function snapshotOf(watch: Watch | null): Snapshot | null {
   return watch?.now.value?.snapshot ?? null;
 }
 
-/** Runs of the machine of a tab, the newest first. */
+/** Runs of a tab's machine, the newest first. */
 export function runsOfTab(page: Page, tab: OpenTab): readonly RunSummary[] {
   const file = fileOfTab(tab);
   const shown = tab.run.value?.id;
@@ -38,7 +38,7 @@ export function runsOfTab(page: Page, tab: OpenTab): readonly RunSummary[] {
   );
 }
 
-/** Runs of the machine of a tab that go on: what is started now runs beside them. */
+/** Active runs of a tab's machine. A run that is started now runs beside them. */
 export function runningBeside(page: Page, tab: OpenTab): readonly RunSummary[] {
   const shown = liveRun(tab)?.now.value?.run;
   const all = runsOfTab(page, tab);
@@ -56,7 +56,7 @@ export function isUnconfirmed(page: Page, tab: OpenTab, now_ms: number): boolean
   );
 }
 
-/** Who works at this page; null while that is not known. */
+/** Session of the user of this page; null while it is unknown. */
 export function sessionOfPage(page: Page): Session | null {
   const link = page.server.link.value;
   return link.state === "up" ? link.session : null;

@@ -1,4 +1,4 @@
-/** What a search finds in a run: in the page if all of the run is here, else at the server, page by page from the start of the run. */
+/** Search in a run: in the page if all events are loaded, otherwise on the server, page by page from the start of the run. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { EventPage } from "../../model/generated/protocol.ts";
@@ -10,7 +10,7 @@ import { RefusalError } from "../page/server.ts";
 
 type SearchedWatch = Pick<Watch, "id" | "journal" | "whenClosed">;
 
-/** What could not be had is asked for again after so long, and what grows is looked at again. */
+/** Retry interval after a refusal. */
 const AGAIN_MS = 1_000;
 
 export class RunSearch {
@@ -20,9 +20,9 @@ export class RunSearch {
   readonly #nameOf: (path: string) => string;
   readonly #changed = signal(0);
   readonly #refusal = signal<string | null>(null);
-  /** What is found here; null once the server is asked. */
+  /** Results in the page; null once the server searches. */
   #here: JournalHits | null = null;
-  /** What the server found. */
+  /** Results from the server. */
   #there = new Journal();
   #next = 1;
   #isAsking = false;
@@ -41,32 +41,32 @@ export class RunSearch {
     this.follow();
   }
 
-  /** Another number whenever more was found at the server. */
+  /** Changes whenever the server has sent results, or its state changes. */
   get changed(): ReadonlySignal<number> {
     return this.#changed;
   }
 
-  /** Why the server does not search. */
+  /** Reason why the server does not search. */
   get refusal(): string | null {
     return this.#refusal.value;
   }
 
-  /** How many were found. */
+  /** Number of results. */
   get count(): number {
     return this.#here ? this.#here.hits.length : this.#there.length;
   }
 
-  /** Whether more might be found than may be kept. */
+  /** True if the limit is reached; there may be more results. */
   get isFull(): boolean {
     return this.count >= HITS_MAX;
   }
 
-  /** Whether the server is still looking. */
+  /** True while the server searches. */
   get isAsking(): boolean {
     return this.#here === null && this.#isAsking;
   }
 
-  /** Goes on with a run that grows. */
+  /** Searches the new events of a growing run. */
   follow(): void {
     if (this.#wanted === "" || this.#isOver) return;
     const { journal } = this.#watch;
@@ -81,7 +81,7 @@ export class RunSearch {
     if (this.#next < journal.next && !this.isFull) void this.#ask();
   }
 
-  /** Nobody looks at it any more. */
+  /** Ends the search. */
   end(): void {
     this.#isOver = true;
   }
@@ -94,18 +94,18 @@ export class RunSearch {
     return this.#journal.t_ns(this.#index(place));
   }
 
-  /** What happened; undefined if it is too long ago. */
+  /** Event of a result; undefined if it was dropped. */
   at(place: number): Happening | undefined {
     return this.#journal.at(this.#index(place));
   }
 
-  /** The place of the first hit after an event; the first of all if there is none. */
+  /** Place of the first result after an event; of the first of all if there is none. */
   after(sequence: number): number {
     const place = lowerBound(this.count, (each) => this.sequence(each) <= sequence);
     return place < this.count ? place : 0;
   }
 
-  /** The place of the last hit before an event; the last of all if there is none. */
+  /** Place of the last result before an event; of the last of all if there is none. */
   before(sequence: number): number {
     const place = lowerBound(this.count, (each) => this.sequence(each) < sequence);
     return place > 0 ? place - 1 : this.count - 1;

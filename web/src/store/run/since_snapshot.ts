@@ -1,5 +1,4 @@
-/** How much later it is than what is shown of a run was said, for times that go on: nothing is reckoned on from what may be old, or
- * past. */
+/** Time since the snapshot of a run, to extrapolate running times. Old or past states are not extrapolated. */
 
 import type { RunNow } from "../../model/generated/protocol.ts";
 import type { Watch } from "../history/run.ts";
@@ -8,7 +7,7 @@ import type { Page } from "../page/page.ts";
 import { confirmedUntil, runAge } from "./age.ts";
 import { saidAt } from "./run_clock.ts";
 
-/** In ms; another number once a second. A signal's reader. */
+/** In ms; updated once a second. Reads signals. */
 export function sinceSnapshot(page: Page, watch: Watch): number {
   const now_ms = clock1s.value;
   const said_ms = saidAt(page, watch);
@@ -19,7 +18,7 @@ export function sinceSnapshot(page: Page, watch: Watch): number {
   return Math.max(0, now_ms - said_ms);
 }
 
-/** The part of that time in which the run was received: alarms go by it, because silence is no proof. A signal's reader. */
+/** The part of that time in which the run was received. Alarms use it, because silence proves nothing. Reads signals. */
 export function confirmedSinceSnapshot(page: Page, watch: Watch): number {
   const since_ms = sinceSnapshot(page, watch);
   const snapshot_ms = watch.now.value?.snapshot_ms ?? null;
@@ -28,7 +27,7 @@ export function confirmedSinceSnapshot(page: Page, watch: Watch): number {
   return Math.min(since_ms, Math.max(0, until_ms - snapshot_ms));
 }
 
-/** From what the runner said last until it died. */
+/** Time from the last snapshot to the crash. */
 function untilCrash({ run, snapshot }: RunNow): number {
   return snapshot ? Math.max(0, run.length_ms - snapshot.elapsed_ms) : 0;
 }

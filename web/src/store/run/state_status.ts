@@ -1,4 +1,4 @@
-/** How one state stands in a run at the moment that is shown: its visits, its phase, and what is at hand of its values. */
+/** Status of one state of a run at the shown moment: its visits, its phase, and the values at hand. */
 
 import type { HeldBy, Moment, Outcome } from "../../model/generated/protocol.ts";
 import { parentOf } from "../../model/path.ts";
@@ -19,25 +19,25 @@ export interface VisitEnd extends Turn {
 export type Values = Readonly<Record<string, unknown>>;
 
 export interface StateStatus {
-  /** Null while it is not active. */
+  /** Null if it is not active. */
   readonly active: Active | null;
-  /** By what a branch is held before it; null while none is. */
+  /** Holder of a branch before it; null if no branch is held there. */
   readonly next: HeldBy | null;
   readonly visits: number;
-  /** Its last entry and its last end up to the moment; null if there was none. */
+  /** Its last entry and end up to the moment; null if there was none. */
   readonly entered: Turn | null;
   readonly left: VisitEnd | null;
-  /** Values that the moment's picture has; undefined where it has none: then the events tell. */
+  /** Values in the picture of the moment; undefined if it has none. The events then contain them. */
   readonly inputs: Values | null | undefined;
   readonly outputs: Values | null | undefined;
   readonly scoped: Values | undefined;
-  /** The event up to which everything counts; null while live. */
+  /** Last event that counts; null while live. */
   readonly until: number | null;
-  /** The event after which `scoped` was so; null without a picture. */
+  /** Event at which `scoped` was recorded; null without a picture. */
   readonly seen: number | null;
 }
 
-/** Reads signals: an effect or computed value is told when it may be another. */
+/** Reads signals: an effect or computed value is updated when the status changes. */
 export function stateStatusOf(watch: Watch, path: string): StateStatus {
   watch.journalVersion.value;
   const until = watch.playhead.value;
@@ -62,7 +62,7 @@ export function stateStatusOf(watch: Watch, path: string): StateStatus {
   };
 }
 
-/** The picture with values of the moment that is shown; while live the newest one. */
+/** Picture with values of the shown moment; while live the latest one. */
 export function pictureOf(watch: Watch): Moment | null {
   const picture = watch.playheadSnapshot.value?.picture ?? null;
   const playhead = watch.playhead.value;

@@ -1,4 +1,4 @@
-/** One value of a run over time, asked for at the server with its events: what was there first, then what comes. */
+/** One value of a run over time, requested from the server with its events: the existing ones first, then new ones. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Expression } from "../../model/expression.ts";
@@ -7,10 +7,10 @@ import type { Runs, Watch } from "../history/run.ts";
 import { Series } from "../history/series.ts";
 import type { Target } from "./watched_values.ts";
 
-/** So many events are asked for at a time, and so often at most. */
+/** Number of events per request, and least interval of requests. */
 const PAGE = 1_000;
 const PACE_MS = 500;
-/** So long after a refusal it is tried again. */
+/** Retry interval after a refusal. */
 const AGAIN_MS = 3_000;
 
 export class ValueHistory {
@@ -34,22 +34,22 @@ export class ValueHistory {
     this.#expression = expression;
   }
 
-  /** Another number whenever the series has grown. */
+  /** Changes whenever the series has grown. */
   get changed(): ReadonlySignal<number> {
     return this.#changed;
   }
 
-  /** Why it cannot be told now. */
+  /** Reason why the value is unavailable at present. */
   get refusal(): ReadonlySignal<string | null> {
     return this.#refusal;
   }
 
-  /** Whether everything that there was has been told. */
+  /** True once all existing events were received. */
   get isTold(): ReadonlySignal<boolean> {
     return this.#isTold;
   }
 
-  /** Goes on with the run until the returned function is called. */
+  /** Follows the run until the returned function is called. */
   follow(): () => void {
     this.#soon(0);
     const stop = effect(() => {
@@ -78,7 +78,7 @@ export class ValueHistory {
     if (wait_ms !== null) this.#soon(wait_ms);
   }
 
-  /** Asks for a page; says when to ask for the next, null once there is no more so far. */
+  /** Requests a page. Returns the delay before the next request; null if there are no more events yet. */
   async #page(): Promise<number | null> {
     try {
       const page = await this.#runs.get<EventPage>(this.#watch.id, this.#question());
@@ -116,8 +116,8 @@ export class ValueHistory {
   }
 }
 
-/** A pattern that fits the path of this state: with one, the whole path has to fit, and states inside are not told. It stands for the
- * sign before the id, so that siblings with ids of the same length do not fit. */
+/** Pattern that matches only this state's path. A pattern has to match the whole path, so inner states are excluded. The wildcard
+ * replaces the `/` before the id, so that siblings with ids of equal length do not match. */
 function onlyThis(path: string): string {
   const at = Math.max(0, path.lastIndexOf("/"));
   return `${path.slice(0, at)}?${path.slice(at + 1)}`;
@@ -130,7 +130,7 @@ const KINDS: Readonly<Record<Target["kind"], string>> = {
   global: "global",
 };
 
-/** What an event says of a value; undefined if it says nothing. Steps back give nothing. */
+/** Value of the target in an event; undefined if it has none. Steps back have none. */
 export function valueIn(event: Event, { kind, path, name }: Target): JsonValue | undefined {
   const isHere = "path" in event && event.path === path;
   switch (event.type) {

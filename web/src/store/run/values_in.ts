@@ -1,4 +1,4 @@
-/** All values of a state and of what is in it, at the moment that is shown: those that came ahead of their events count first. */
+/** All values of a state and of what is inside it, at the shown moment. Values that arrived ahead of their events take precedence. */
 
 import type { LongValue, WatchedValue } from "../../model/generated/protocol.ts";
 import { aheadKey } from "../history/ahead.ts";
@@ -7,18 +7,18 @@ import { pictureOf } from "./state_status.ts";
 
 export interface ValueIn extends Pick<WatchedValue, "kind" | "path" | "name"> {
   readonly value: unknown;
-  /** Instead of the value, what is known of one that is too long to come ahead of its event. */
+  /** Metadata of a value that is too long to arrive ahead of its event; the value is then null. */
   readonly long: LongValue | null;
-  /** When it came into being, if it came ahead of its event: a time of the run. */
+  /** Time of the value in the run if it arrived ahead of its event; otherwise null. */
   readonly aheadAt_ns: number | null;
 }
 
-/** Whether a path is that of the state, or of something in it. */
+/** True if a path is that of the state, or inside it. */
 export function isIn(path: string, state: string): boolean {
   return path === state || path.startsWith(`${state}/`);
 }
 
-/** Reads signals. In the order of their paths. */
+/** Values in the order of their paths. Reads signals. */
 export function valuesIn(watch: Watch, state: string): readonly ValueIn[] {
   const found = new Map<string, ValueIn>();
   const put = (value: ValueIn) => {

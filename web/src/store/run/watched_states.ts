@@ -1,4 +1,4 @@
-/** States that the user watches with all that is in them, by machine: kept in this browser. */
+/** States that the user watches with everything inside them, by machine. Stored in this browser. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import { BROWSER_STORE, kept } from "../local_store.ts";
@@ -12,7 +12,7 @@ type KeptStates = Readonly<Record<string, readonly string[]>>;
 
 const known = new Map<string, Signal<readonly string[]>>();
 
-/** The paths of the watched states of the machine in a tab. Runs of one machine share them. */
+/** Paths of the watched states of a tab's machine. Runs of one machine share them. */
 export function watchedStatesOf(tab: OpenTab): Signal<readonly string[]> {
   const key = machineKey(tab);
   let found = known.get(key);
@@ -23,7 +23,7 @@ export function watchedStatesOf(tab: OpenTab): Signal<readonly string[]> {
   return found;
 }
 
-/** Watches a state from now on, or no more. */
+/** Adds a state to the watched ones, or removes it. */
 export function setStateWatched(tab: OpenTab, path: string, isWatched: boolean): void {
   const all = watchedStatesOf(tab);
   const others = all.peek().filter((each) => each !== path);

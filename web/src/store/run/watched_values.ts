@@ -1,4 +1,4 @@
-/** Values that the user watches, by machine: kept in this browser. */
+/** Values that the user watches, by machine. Stored in this browser. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import { BROWSER_STORE, kept } from "../local_store.ts";
@@ -7,7 +7,7 @@ import type { OpenTab } from "../page/page.ts";
 /** A value of a run: at a port or in a scoped variable of a state, or a global variable. */
 export interface Target {
   readonly kind: "input" | "output" | "scoped_variable" | "global";
-  /** The state; of global variables empty. */
+  /** Path of the state; empty for global variables. */
   readonly path: string;
   readonly name: string;
 }
@@ -15,7 +15,7 @@ export interface Target {
 export interface WatchedExpression {
   readonly id: number;
   readonly target: Target;
-  /** What of the value is watched: an expression over `value`. */
+  /** Watched part of the value: an expression over `value`. */
   readonly expression: string;
 }
 
@@ -29,7 +29,7 @@ type KeptWatches = Readonly<Record<string, readonly WatchedExpression[]>>;
 
 const known = new Map<string, Signal<readonly WatchedExpression[]>>();
 
-/** What is watched of the machine in a tab. Runs of one machine share it. */
+/** Watches of a tab's machine. Runs of one machine share them. */
 export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
   const key = machineKey(tab);
   let found = known.get(key);
@@ -41,7 +41,7 @@ export function watchedOf(tab: OpenTab): Signal<readonly WatchedExpression[]> {
   return found;
 }
 
-/** What another tab of the browser watches is watched here. */
+/** Adopts the changes of other tabs of the browser. */
 function takeFromOthers(): void {
   globalThis.addEventListener?.("storage", ({ key }) => {
     if (key !== KEY && key !== null) return;
@@ -50,7 +50,7 @@ function takeFromOthers(): void {
   });
 }
 
-/** Watches a value from now on; one that is watched already is not watched twice. */
+/** Adds a watch, unless it exists already. */
 export function addWatched(tab: OpenTab, target: Target, expression = WHOLE): void {
   const all = watchedOf(tab).peek();
   const isThere = all.some(
@@ -69,7 +69,7 @@ export function removeWatched(tab: OpenTab, id: number): void {
   );
 }
 
-/** Watches something else of the same value. */
+/** Changes the expression of a watch. */
 export function changeWatched(tab: OpenTab, id: number, expression: string): void {
   const all = watchedOf(tab).peek();
   put(
@@ -89,7 +89,7 @@ function put(tab: OpenTab, all: readonly WatchedExpression[]): void {
   BROWSER_STORE.put(KEY, Object.fromEntries([...rest, [machineKey(tab), all]]));
 }
 
-/** By what watches of a machine are kept. */
+/** Key under which the watches of a machine are stored. */
 export function machineKey({ session, run }: OpenTab): string {
   const file = session.status.value?.summary.file ?? run.value?.now.value?.run.machine;
   return file ? `${file.project}/${file.path}` : session.id;
