@@ -1,4 +1,4 @@
-/** Commands of runs in words, as buttons and menus call them. */
+/** Names of run commands, as used by buttons and menus. */
 
 import type { Command } from "./generated/protocol.ts";
 
@@ -32,7 +32,7 @@ export function commandInWords(command: Command): string {
   return WORDS[command.type];
 }
 
-/** The same for the name of a type, also of a request about a whole run. */
+/** Name of a command type, or of a request about a whole run. */
 export function commandTypeInWords(type: string): string {
   const words: Readonly<Record<string, string>> = WORDS;
   const requests = { resume_run: "Resume the run", start_run: "Start a run" };

@@ -1,4 +1,4 @@
-/** Which connection of a container is which of another: by id, and where that is another one by its ends. */
+/** Pairs the connections of two versions of a container: by id, otherwise by their ends. */
 
 import type { DataFlowDocument, TransitionDocument } from "./generated/protocol.ts";
 import { isSame } from "./json.ts";
@@ -10,7 +10,7 @@ interface LinePair {
   readonly now: ConnectionDocument | null;
 }
 
-/** Those that came, went, or lead elsewhere. `idNow` says what the id of a state was changed to. */
+/** Connections that were added, removed or redirected. `idNow` returns the current id for an old one. */
 export function pairConnections(
   old: readonly ConnectionDocument[],
   now: readonly ConnectionDocument[],
@@ -40,7 +40,7 @@ export function pairConnections(
   return [...changed, ...gone.map((line) => ({ old: line, now: null }))];
 }
 
-/** Where it begins and leads, by the ids of now. */
+/** Both ends of a connection, by current ids. */
 function endsOf(line: ConnectionDocument, idNow: (id: string) => string): readonly unknown[] {
   const id = (state: string | null | undefined) => (state == null ? null : idNow(state));
   if ("from_port" in line) {

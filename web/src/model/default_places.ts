@@ -1,5 +1,5 @@
-/** Boxes of the states of a container, also of those that the file does not place: these stand in rows where the reference puts
- * them, and beside each other where the reference would put one upon another. */
+/** Boxes of the states of a container, including those without a position in the file. They are placed in rows as in the reference,
+ * without overlaps if possible. */
 
 import type { StateDocument } from "./generated/protocol.ts";
 import { type Box, intersects, type Size } from "./geometry.ts";
@@ -8,12 +8,12 @@ import { defaultChildBox, readLayout } from "./layout_reader.ts";
 /** A state of the machine; undefined after its removal. */
 type Child = StateDocument | undefined;
 
-/** By how much the places shrink if there are too few. */
+/** Factor by which the places shrink if there are too few. */
 const SMALLER = 0.85;
-/** Attempts with smaller places. */
+/** Greatest number of attempts with ever smaller places. */
 const ATTEMPTS_MAX = 40;
 
-/** The boxes of all children, in their order. */
+/** Boxes of all children, in their order. */
 export function childBoxesOf(children: readonly Child[], container: Size): readonly Box[] {
   const known = children.map((child) => (child ? boxOf(child, container) : null));
   const drawn = known.filter((box) => box !== null);
@@ -54,7 +54,7 @@ function sideIn({ width, height }: Size): number {
   return Math.min(width, height) * 0.2;
 }
 
-/** Equal squares in rows, and which of them are taken. */
+/** Equal squares in rows, with a record of the taken ones. */
 class Places {
   readonly count: number;
   readonly #columns: number;
@@ -76,7 +76,7 @@ class Places {
     return this.#side * 1.2;
   }
 
-  /** The place with this number, or else the first free one; null if all are taken. */
+  /** The place with this number if it is free, otherwise the first free one; null if all are taken. */
   take(wanted: number): Box | null {
     if (this.#isFree(wanted)) return this.#put(wanted);
     while (this.#next < this.count && !this.#isFree(this.#next)) this.#next++;

@@ -1,4 +1,4 @@
-/** Defaults of ports as people type and read them: Python literals, plain words for texts, `$name` for global variables. */
+/** Default values of ports as people type and read them: Python literals, plain words for texts, `$name` for global variables. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { type Literal, parseLiteral } from "./literal.ts";
@@ -7,12 +7,12 @@ import { python } from "./value.ts";
 
 const GLOBAL = /^\$./;
 
-/** The value as it is shown in a cell. */
+/** Text of a value in a cell. */
 export function textOfDefault(value: JsonValue | undefined): string {
   return typeof value === "string" && GLOBAL.test(value) ? value : python(value ?? null);
 }
 
-/** The value of what was typed for a port of this type, or why it is none. */
+/** Value of a typed text for a port of this type, or the reason why it is invalid. */
 export function readDefault(text: string, type: string): Literal {
   const typed = text.trim();
   if (GLOBAL.test(typed)) return { value: typed };

@@ -14,7 +14,7 @@ const TEXT = `
     B.ok > R.done
     A.pose >> B.pose`;
 
-/** The differences as short text. */
+/** Differences as short text. */
 function compared(text: string, change: (state: StateDocument) => StateDocument = (s) => s) {
   const old = machineOf(sketch(TEXT));
   const document = sketch(text);

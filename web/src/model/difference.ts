@@ -1,4 +1,4 @@
-/** How two machines differ: states, ports, outcomes, connections and values that came, went or changed, in words. */
+/** Differences between two machines, in words: added, removed and changed states, ports, outcomes, connections and values. */
 
 import { pairConnections } from "./connection_pairs.ts";
 import type { ElementKey, ElementRef } from "./element.ts";
@@ -21,18 +21,18 @@ import { python } from "./value.ts";
 
 export interface Difference {
   readonly kind: "added" | "removed" | "changed";
-  /** Where it is now; of what is gone, where it was. */
+  /** Current element; for a removed one, its former path. */
   readonly element: ElementRef;
-  /** What it is called, in words. */
+  /** Name in words. */
   readonly name: string;
   readonly fields: readonly FieldChange[];
-  /** How many states came or went with it, inside it. */
+  /** Number of states inside it that were added or removed with it. */
   readonly inside: number;
-  /** Whether it only stands elsewhere on the screen. */
+  /** True if only its layout differs. */
   readonly isLayout: boolean;
 }
 
-/** What leads from the old machine to the one of now, in the order of the one of now; what is gone stands at its container. */
+/** Changes from the old machine to the current one, in the order of the current one. Removed states are listed at their container. */
 export function differences(old: Machine, now: Machine): readonly Difference[] {
   const comparison = { old, now, pairs: pairStates(old, now) };
   const found: Difference[] = [...header(comparison)];
@@ -47,7 +47,7 @@ export function differences(old: Machine, now: Machine): readonly Difference[] {
   return found;
 }
 
-/** What differs, by element: what came with everything inside it, and what is gone under the path that it had. */
+/** Differences by element. An added state includes everything inside it; a removed element keeps its former path. */
 export function marksOf(
   all: readonly Difference[],
   now: Machine,
@@ -131,7 +131,7 @@ function changedState(
   return [{ ...NOTHING, kind: "changed", element, name, isLayout: true }];
 }
 
-/** Another id, or another container. */
+/** Changes of the id and of the container. */
 function place(
   { pairs }: MachinePair,
   before: StateDocument,
@@ -152,7 +152,7 @@ interface NamedPart {
   readonly name: string;
 }
 
-/** What came, went and changed in a list of parts with ids. */
+/** Added, removed and changed parts of a list with ids. */
 function parts<T extends NamedPart>(
   [before, after]: readonly [readonly T[], readonly T[]],
   ref: (part: T, kind: Difference["kind"]) => ElementRef,

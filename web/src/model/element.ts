@@ -1,8 +1,8 @@
-/** What can be selected, hovered and connected in a machine. */
+/** Elements of a machine that can be selected, hovered and connected. */
 
 import type { Element } from "./generated/protocol.ts";
 
-/** A state, one of its ports, or one of its connections. `path` is that of the state that has it: of connections the container. */
+/** A state, one of its ports, or one of its connections. `path` is the path of the owning state; for connections the container. */
 export type ElementRef =
   | { readonly kind: "state"; readonly path: string }
   | { readonly kind: "income"; readonly path: string }
@@ -20,7 +20,7 @@ export type ElementRef =
 
 export type ElementKind = ElementRef["kind"];
 
-/** A text that is the same for the same element, for sets and maps: `state:A/B`, `outcome:A/B:-1`. */
+/** Unique text of an element, for sets and maps: `state:A/B`, `outcome:A/B:-1`. */
 export type ElementKey = string;
 
 export function keyOf(element: ElementRef): ElementKey {
@@ -39,7 +39,7 @@ const NUMBERED = new Set([
   "data_flow",
 ]);
 
-/** The element that a key is of; null if it is none. */
+/** Element of a key; null if the key is invalid. */
 export function elementOf(key: ElementKey): ElementRef | null {
   const start = key.indexOf(":");
   const kind = key.slice(0, start);
@@ -49,12 +49,12 @@ export function elementOf(key: ElementKey): ElementRef | null {
   return { kind, path: key.slice(start + 1, end), id: Number(key.slice(end + 1)) } as ElementRef;
 }
 
-/** The key of a state. */
+/** Key of a state. */
 export function stateKey(path: string): ElementKey {
   return `state:${path}`;
 }
 
-/** How an edit of the layout names the element. */
+/** Name of the element in an edit of the layout. */
 export function layoutElement(element: ElementRef): Element {
   switch (element.kind) {
     case "state":

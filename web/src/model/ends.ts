@@ -1,4 +1,4 @@
-/** The ends of connections as elements, and connections in words: `Scan.ok → Search`. */
+/** Ends of connections as elements, and connections in words: `Scan.ok → Search`. */
 
 import { type ElementRef, keyOf } from "./element.ts";
 import type { DataFlowDocument, StateDocument, TransitionDocument } from "./generated/protocol.ts";
@@ -39,7 +39,7 @@ export function isConnection(element: ElementRef): element is ElementRef & Conne
   return element.kind === "transition" || element.kind === "data_flow";
 }
 
-/** Where a transition of the container begins and leads. */
+/** Both ends of a transition of the container. */
 export function transitionEnds(container: string, transition: TransitionDocument): ConnectionEnds {
   const { from_state, from_outcome, to_state, to_outcome } = transition;
   return {
@@ -54,7 +54,7 @@ export function transitionEnds(container: string, transition: TransitionDocument
   };
 }
 
-/** Where a data flow of the container begins and ends; null if a port is not there. */
+/** Both ends of a data flow of the container; null if a port is missing. */
 export function flowEnds(
   machine: Machine,
   container: string,
@@ -71,14 +71,14 @@ function stateOfEnd(container: string, id: string): string {
 
 const LISTS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 
-/** The port of a state by its id alone, which no other port there has. */
+/** Port of a state by its id, which is unique among the state's ports. */
 function portOf(machine: Machine, path: string, id: number): DataPort | null {
   const state = machine.state(path);
   const kind = state && LISTS.find((list) => portsOf(state, list).some((port) => port.id === id));
   return kind ? { kind, path, id } : null;
 }
 
-/** Both ends of a connection; null if it, or one of them, is not there. */
+/** Both ends of a connection; null if it, or one of them, is missing. */
 export function endsOf(machine: Machine, connection: ConnectionRef): ConnectionEnds | null {
   const state = machine.state(connection.path);
   if (!state) return null;
@@ -90,7 +90,7 @@ export function endsOf(machine: Machine, connection: ConnectionRef): ConnectionE
   return found ? flowEnds(machine, connection.path, found) : null;
 }
 
-/** What an outcome or port is called; of states their name, of the income "start". */
+/** Name of an outcome, port or state; "start" for an income. */
 export function nameOf(machine: Machine, element: ElementRef): string {
   const state = machine.state(element.path);
   if (!state) return element.path;
@@ -124,7 +124,7 @@ export interface Connection {
   readonly ends: ConnectionEnds;
 }
 
-/** The connections of a state: those that touch it in the container around it, and those inside that begin or end at it. */
+/** Connections of a state: those in the container around it that touch it, and inner ones that begin or end at it. */
 export function connectionsOf(
   machine: Machine,
   path: string,
@@ -155,8 +155,7 @@ export function connectionsIn(
   });
 }
 
-/** Where transitions or data flows of the container can begin or end, in the order of the picture: its own ends, then those
- * of its children. Whether two of them fit is another question. */
+/** Elements of the container at which a transition or data flow can begin or end. Combinations of two ends are not checked. */
 export function endsIn(
   machine: Machine,
   container: string,
@@ -199,14 +198,14 @@ function ports(state: StateDocument, path: string, kind: PortKind): readonly Dat
 /** A port that is reached along data flows. */
 export interface Hop {
   readonly port: DataPort;
-  /** How many data flows away. */
+  /** Number of data flows on the route. */
   readonly steps: number;
-  /** The data flow that leads there; null where the value only crosses the border of a library. */
+  /** Data flow that leads there; null where the value only crosses the border of a library. */
   readonly flow: ConnectionRef | null;
 }
 
-/** Every port that values of this one reach, or, backwards, that its values come from: across levels and libraries, the
- * nearest first along each way. */
+/** Every port that values of this one reach or, backwards, come from, across levels and libraries. Along each route the nearest
+ * comes first. */
 export function chain(
   machine: Machine,
   port: DataPort,
@@ -242,7 +241,7 @@ function neighbours(
   return [...flows, ...acrossLibrary(machine, port, direction)];
 }
 
-/** A library state and the root of its content have the same ports. */
+/** Crosses the border of a library: a library state and the root of its content have equal ports. */
 function acrossLibrary(
   machine: Machine,
   { kind, path, id }: DataPort,

@@ -1,5 +1,5 @@
-/** What of a value is watched: `value`, its parts by `.x` and `[0]`, `len()` and a little arithmetic, as Python writes them. Read and
- * worked out here: nothing is ever run as a program. */
+/** Expressions of watches: `value`, its parts by `.x` and `[0]`, `len()` and simple arithmetic, in Python syntax. They are parsed
+ * and evaluated here, never executed as a program. */
 
 import {
   callFunction,
@@ -14,20 +14,20 @@ import type { JsonValue } from "./generated/protocol.ts";
 import { isSame } from "./json.ts";
 
 export interface Expression {
-  /** The part of a value, or why it has none. */
+  /** Evaluates the expression for a value, or returns the reason why it cannot. */
   readonly of: (value: unknown) => Worked;
 }
 
 type Worked = { readonly value: JsonValue } | { readonly refused: string };
 
-/** The value that is watched stands for itself by this name. */
+/** Name of the watched value in expressions. */
 const NAME = "value";
 
 const LENGTH_MAX = 500;
 
 type Evaluate = (value: JsonValue) => JsonValue;
 
-/** Reads an expression; says what is wrong and where if it is none. */
+/** Parses an expression. Returns the error and its position if it is invalid. */
 export function readExpression(text: string): Expression | { readonly refused: string } {
   try {
     const reader = new ExpressionReader(text);
@@ -68,7 +68,7 @@ const compared =
   (one, other) =>
     test(numberIn(one), numberIn(other));
 
-/** Signs between two values by how firmly they bind. */
+/** Binary operators in ascending precedence. */
 const BETWEEN: readonly Readonly<Record<string, Two>>[] = [
   {
     "==": (one, other) => isSame(one, other),
@@ -183,7 +183,7 @@ class ExpressionReader {
     return (value) => numberIn(base(value)) ** numberIn(power(value));
   }
 
-  /** A value with whatever is taken out of it. */
+  /** A value followed by any number of members and indices. */
   #parts(): Evaluate {
     let node = this.#one();
     for (;;) {

@@ -1,15 +1,15 @@
-/** Parts of values and what is worked out of them, for expressions. What was not kept of a value is said, never guessed. */
+/** Parts and functions of values, for expressions. Data that was not kept is reported as missing, never guessed. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { numbersOf } from "./numbers.ts";
 import { keyLabel, type ReadArray, read, typeWords } from "./wire.ts";
 
-/** Why there is no such part, in words for people. */
+/** Reason why a value cannot be computed, in words for people. */
 export class WrongValue extends Error {}
 
 export const FUNCTIONS: readonly string[] = ["len", "abs", "min", "max", "sum", "mean", "round"];
 
-/** The value as a number. */
+/** Converts a value to a number. Throws a `WrongValue` for other types. */
 export function numberIn(value: JsonValue): number {
   const found = read(value);
   if (found.kind === "number") return found.value;
@@ -18,7 +18,7 @@ export function numberIn(value: JsonValue): number {
   throw new WrongValue(`${typeWords(found)} is not a number`);
 }
 
-/** Whether Python takes the value for true. */
+/** True if the value is true in Python. */
 export function isTrue(value: JsonValue): boolean {
   const found = read(value);
   switch (found.kind) {
@@ -37,7 +37,7 @@ export function isTrue(value: JsonValue): boolean {
   }
 }
 
-/** `value.x`: an entry of a dict, or what an array tells of itself. */
+/** `value.x`: an entry of a dict, or an attribute of an array or error. */
 export function memberOf(value: JsonValue, name: string): JsonValue {
   const found = read(value);
   if (found.kind === "dict") return partOf(value, name);
@@ -83,7 +83,7 @@ function indexIn(key: JsonValue, count: number): number {
   return index;
 }
 
-/** A number of an array, or what stands along its other axes. */
+/** A number of an array, or the rest of an array with more axes. */
 function rowOf(array: ReadArray, key: JsonValue): JsonValue {
   const { items, shape, sampled, steps } = array;
   const [count = 0, ...inner] = shape;
@@ -144,7 +144,7 @@ function overAll(name: string, numbers: readonly number[]): number {
   }
 }
 
-/** All numbers of a list or array: of one that was kept in part nothing is worked out. */
+/** All numbers of a list or array. Throws a `WrongValue` if only a part of them was kept. */
 function allIn(value: JsonValue): readonly number[] {
   const found = read(value);
   const isCut =

@@ -1,4 +1,4 @@
-/** Many names in a line: the first ones, and how many more there are. */
+/** Shortens a list of names: the first ones, and the number of the others. */
 
 const SHOWN_MAX = 2;
 

@@ -32,7 +32,7 @@ export function intersects(one: Box, other: Box): boolean {
   );
 }
 
-/** The smallest box around boxes; null around none. */
+/** Smallest box around boxes; null without any. */
 export function boundsOf(boxes: Iterable<Box>): Box | null {
   let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const box of boxes) {
@@ -52,7 +52,7 @@ export function distance(one: Point, other: Point): number {
   return Math.hypot(one.x - other.x, one.y - other.y);
 }
 
-/** The side of a box of this size whose border a point on or near the border is closest to. */
+/** Side of a box of this size that is nearest to a point on or near its border. */
 export function sideOf(point: Point, size: Size): Side {
   const away: readonly [Side, number][] = [
     ["left", Math.abs(point.x)],

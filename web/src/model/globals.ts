@@ -1,18 +1,18 @@
-/** Global variables of a machine: every name that its scripts set or read, and that defaults of its ports ask for by `$name`. */
+/** Global variables of a machine: every name that its scripts set or read, or that default values of its ports refer to by `$name`. */
 
 import type { StateDocument } from "./generated/protocol.ts";
 import { type Machine, type PortKind, portsOf } from "./machine.ts";
 import { perOwner } from "./per_owner.ts";
 import { lineAt, type ScriptUse, scriptUses } from "./python.ts";
 
-/** One place where a global variable is used. */
+/** One use of a global variable. */
 export interface GlobalUse {
-  /** The state. */
+  /** Path of the state. */
   readonly path: string;
   readonly access: ScriptUse["access"];
-  /** The line of the script, from 1; null for the default of a port. */
+  /** Line of the script, from 1; null for the default value of a port. */
   readonly line: number | null;
-  /** The words of that line, or the port. */
+  /** Text of that line, or the port. */
   readonly text: string;
 }
 
@@ -21,7 +21,7 @@ export interface GlobalVariable {
   readonly uses: readonly GlobalUse[];
 }
 
-/** All global variables by rising name, with the content of libraries as far as it is here. */
+/** All global variables by ascending name, including the loaded content of libraries. */
 export function globalsOf(machine: Machine): readonly GlobalVariable[] {
   const found = new Map<string, GlobalUse[]>();
   const look = (path: string, state: StateDocument) => {
@@ -52,7 +52,7 @@ export function globalsOf(machine: Machine): readonly GlobalVariable[] {
 type OwnUse = Omit<GlobalUse, "path"> & { readonly name: string };
 type Uses = readonly (readonly [string, GlobalUse])[];
 
-/** States never change, so each script is read once, wherever libraries put it. */
+/** States are immutable, so each script is read once, wherever libraries place it. */
 const ownUses = perOwner((state: StateDocument): readonly OwnUse[] => [
   ...inScript(state.script ?? ""),
   ...inDefaults(state),
@@ -67,10 +67,10 @@ function usesOf(state: StateDocument, path: string): Uses {
   return uses;
 }
 
-/** Every call that names a global variable; most scripts have none and need not be read. */
+/** Every call that names a global variable. Most scripts have none and are not parsed. */
 const CALL = /_variable\b|\bvariable_|\b(is_locked|get_data_type|get_representation)\b/;
 
-/** Large machines have the same script in many places. */
+/** Cache by script, because large machines contain many copies of a script. */
 const SCRIPTS = new Map<string, readonly OwnUse[]>();
 const SCRIPTS_MAX = 4096;
 

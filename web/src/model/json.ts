@@ -1,6 +1,6 @@
-/** Comparing what came as JSON. */
+/** Comparison of JSON values. */
 
-/** Whether two values say the same, in whatever order the keys of objects stand. */
+/** True if two values are equal, whatever the order of object keys. Missing keys equal undefined ones. */
 export function isSame(one: unknown, other: unknown): boolean {
   if (one === other) return true;
   if (typeof one !== "object" || typeof other !== "object" || !one || !other) return false;

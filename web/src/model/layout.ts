@@ -1,15 +1,15 @@
-/** A layout with other places in it: the way back of layout_reader.ts. Keys that nobody here knows stay. */
+/** Writes changes into a layout: the inverse of layout_reader.ts. Unknown keys are kept. */
 
 import type { LayoutDocument, StateDocument } from "./generated/protocol.ts";
 import type { Box, Point, Size } from "./geometry.ts";
 import { readLayout } from "./layout_reader.ts";
 
-/** What is to be different; what is left out stays. Keys of ports and connections as in the file: `outcome-1`. */
+/** Changed values; missing ones stay. Keys of ports and connections are those of the file: `outcome-1`. */
 export interface LayoutChange {
   readonly position?: Point | undefined;
   readonly size?: Size | undefined;
   readonly nameBox?: Box | undefined;
-  /** Red, green and blue from 0 to 1; null takes the colour away. */
+  /** Red, green and blue from 0 to 1; null removes the colour. */
   readonly background?: readonly [number, number, number] | null | undefined;
   readonly showsContent?: boolean | undefined;
   readonly ports?: ReadonlyMap<string, Point> | undefined;
@@ -18,7 +18,7 @@ export interface LayoutChange {
 
 type LayoutEntry = Record<string, unknown>;
 
-/** The layout with the change in it. */
+/** The layout with the change applied. */
 export function changed(
   layout: LayoutDocument | null | undefined,
   change: LayoutChange,
@@ -52,7 +52,7 @@ function ownPart({ position, size, nameBox, background }: LayoutChange): LayoutE
   };
 }
 
-/** The entry with more in the part that the canvas keeps. */
+/** The entry with more values in the part that belongs to the canvas. */
 function merged(entry: LayoutEntry, more: LayoutEntry): LayoutEntry {
   const gui = asEntry(entry["gui"]);
   return {
@@ -71,17 +71,17 @@ function pair(one: number, other: number): LayoutEntry {
   return tuple([rounded(one), rounded(other)]);
 }
 
-/** As the reference writes pairs. */
+/** A tuple in the notation of the reference. */
 function tuple(items: readonly number[]): LayoutEntry {
   return { __jsonqualname__: "__builtin__.tuple", items: [...items] };
 }
 
-/** Without the digits that only arithmetic made. */
+/** Rounds away the digits that come only from arithmetic. */
 export function rounded(value: number): number {
   return Number(value.toPrecision(9));
 }
 
-/** The layout of a state, in another box, with everything on and in it in proportion. */
+/** Layout of a state in another box, with everything on and in it scaled. */
 export function scaledLayout(
   state: StateDocument,
   box: Box,

@@ -1,5 +1,5 @@
-/** Where a state and its parts are drawn: what the file's layout says, and what the reference would put where it says nothing.
- * Sizes are those of the file: of a state in the coordinates of its container, of its parts in its own, y down. */
+/** Positions of a state and its parts, from the layout in the file, with the defaults of the reference. Sizes are those of the
+ * file: a state uses the coordinates of its container, its parts use its own; y points down. */
 
 import { type ElementKey, keyOf } from "./element.ts";
 import type { JsonValue, LayoutDocument, StateDocument } from "./generated/protocol.ts";
@@ -7,17 +7,17 @@ import type { Box, Point, Size } from "./geometry.ts";
 import { ABORTED, outcomesOf, PREEMPTED, portsOf } from "./machine.ts";
 import { perOwner } from "./per_owner.ts";
 
-/** What the layout of one state says about it and its parts; what it does not say is missing. */
+/** Layout of one state and its parts; undefined where the file has no value. */
 interface StateLayout {
   readonly position: Point | undefined;
   readonly size: Size | undefined;
   readonly nameBox: Box | undefined;
-  /** A colour as CSS writes it. */
+  /** Colour in CSS notation. */
   readonly background: string | undefined;
   readonly showsContent: boolean;
-  /** Points of parts by what stands before the id in the file and the id: `outcome-1`, `input_data_port0`, `income`. */
+  /** Points of parts by their prefix and id in the file: `outcome-1`, `input_data_port0`, `income`. */
   readonly ports: ReadonlyMap<string, Point>;
-  /** Waypoints by `transition3`, `data_flow0`. */
+  /** Waypoints by connection: `transition3`, `data_flow0`. */
   readonly waypoints: ReadonlyMap<string, readonly Point[]>;
 }
 
@@ -28,7 +28,7 @@ function field(value: Json, key: string): Json {
   return value[key];
 }
 
-/** A list, or a tuple as the reference marks it. */
+/** Items of a list, or of a tuple in the notation of the reference. */
 function items(value: Json): readonly JsonValue[] {
   if (Array.isArray(value)) return value;
   const inner = field(value, "items");
@@ -60,7 +60,7 @@ function colour(value: Json): string | undefined {
   return `rgb(${byte(red)} ${byte(green)} ${byte(blue)})`;
 }
 
-/** The part of an entry that the reference's canvas keeps; older files call it otherwise and count y upwards. */
+/** The part of an entry that belongs to the reference's canvas. Older files use other names and an upward y axis. */
 function drawn(entry: Json): { readonly entry: Json; readonly upwards: boolean } {
   const gui = field(entry, "gui");
   const now = field(gui, "editor_gaphas");
@@ -109,12 +109,12 @@ function read(layout: LayoutDocument): StateLayout {
 const NOTHING: StateLayout = read({});
 const readOnce = perOwner(read);
 
-/** What the file says about the drawing of a state. */
+/** Layout of a state in the file. Each layout is parsed once. */
 export function readLayout(state: StateDocument): StateLayout {
   return state.layout ? readOnce(state.layout) : NOTHING;
 }
 
-/** What stands before the id of a part in the file. */
+/** Prefixes of ids of parts in the file. */
 const IN_FILE = {
   outcome: "outcome",
   input: "input_data_port",
@@ -122,18 +122,18 @@ const IN_FILE = {
   scoped_variable: "scoped_variable",
 } as const;
 
-/** A port on the border of a state: where a connection begins or ends. */
+/** A port on the border of a state: the start or end of connections. */
 export interface PortPlace {
   readonly key: ElementKey;
   readonly kind: "income" | keyof typeof IN_FILE;
-  /** Of the income 0. */
+  /** 0 for the income. */
   readonly id: number;
   readonly name: string;
   /** In the state's own coordinates, on its border. */
   readonly at: Point;
 }
 
-/** Where the ports of a state of this size are; `path` goes into their keys. */
+/** Positions of the ports of a state of this size. Their keys contain `path`. */
 export function portPlaces(state: StateDocument, path: string, box: Size): readonly PortPlace[] {
   const { ports } = readLayout(state);
   const step = Math.min(box.width, box.height);
@@ -179,12 +179,12 @@ function alongBottom(column: number, step: number, box: Size): Point {
   return { x: wrapped(step * (0.15 + 0.2 * column), box.width), y: box.height };
 }
 
-/** More than fit begin again a little beside the first. */
+/** Wraps around with a small offset if there are too many. */
 function wrapped(at: number, length: number): number {
   return at <= length * 0.95 ? at : (at % (length * 0.85)) + length * 0.05;
 }
 
-/** The point of the border that is nearest. */
+/** Nearest point on the border. */
 export function onBorder(at: Point, box: Size): Point {
   const x = Math.min(box.width, Math.max(0, at.x));
   const y = Math.min(box.height, Math.max(0, at.y));
@@ -197,7 +197,7 @@ export function onBorder(at: Point, box: Size): Point {
 
 const ROOT_SIZE: Size = { width: 100, height: 100 };
 
-/** How large a state is drawn in a container of this size, if its layout does not say. */
+/** Box of a state without a layout in a container of this size; `index` is its place among its siblings. */
 export function defaultChildBox(index: number, container: Size): Box {
   const side = Math.min(container.width, container.height) * 0.2;
   const pitch = side * 1.2;
@@ -214,7 +214,7 @@ export function defaultChildBox(index: number, container: Size): Box {
   };
 }
 
-/** The size of a state, in the coordinates of its container; `index` among its siblings. */
+/** Box of a state in the coordinates of its container; `index` is its place among its siblings. */
 export function childBox(child: StateDocument, index: number, container: Size): Box {
   const { position, size: known } = readLayout(child);
   const otherwise = defaultChildBox(index, container);
@@ -224,12 +224,12 @@ export function childBox(child: StateDocument, index: number, container: Size): 
   };
 }
 
-/** The size of the root. */
+/** Size of the root state; a default without a layout. */
 export function rootSize(root: StateDocument): Size {
   return readLayout(root).size ?? ROOT_SIZE;
 }
 
-/** Where the name stands, in the state's own coordinates. */
+/** Box of the name, in the state's own coordinates. */
 export function nameBox(state: StateDocument, box: Size): Box {
   const inset = Math.min(box.width, box.height) / 25;
   return (

@@ -1,10 +1,10 @@
-/** Python literals as people type them, to values as they are on the wire; `python` of value.ts is the way back. */
+/** Parses Python literals to wire values; `python` of value.ts is the inverse. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 
 export type Literal = { readonly value: JsonValue } | { readonly refused: string };
 
-/** The value of a Python literal, or where and why it is none. */
+/** Value of a Python literal, or the error with its position. */
 export function parseLiteral(text: string): Literal {
   const reader = new LiteralReader(text);
   try {
@@ -164,7 +164,7 @@ class LiteralReader {
     return items.length > 0 ? { __set__: items } : dictionary(pairs);
   }
 
-  /** Texts side by side are one text, as in Python. */
+  /** Adjacent strings are one string, as in Python. */
   #texts(): string {
     let text = "";
     while (/['"]/.test(this.#next())) {
@@ -274,14 +274,14 @@ function special(sign: string, word: string): JsonValue {
   return { __float__: word === "nan" ? "NaN" : `${sign}inf` };
 }
 
-/** A float without a fraction as Python writes it. */
+/** A float without a fraction in Python notation. */
 function shown(value: number): string {
   if (Object.is(value, -0)) return "-0.0";
   const text = String(value);
   return /[.e]/.test(text) ? text : `${text}.0`;
 }
 
-/** A dict, marked where JavaScript would change it. */
+/** A dict, marked as one where a plain object would change it. */
 function dictionary(pairs: readonly [JsonValue, JsonValue][]): JsonValue {
   const isPlain = pairs.every(
     ([key]) => typeof key === "string" && !key.startsWith("__") && !/^\d+$/.test(key),
@@ -290,7 +290,7 @@ function dictionary(pairs: readonly [JsonValue, JsonValue][]): JsonValue {
   return Object.fromEntries(pairs as [string, JsonValue][]);
 }
 
-/** The last value of a key that is written twice, as in Python. */
+/** Keeps the last value of a repeated key, as in Python. */
 function unique(pairs: readonly [JsonValue, JsonValue][]): [JsonValue, JsonValue][] {
   const byKey = new Map(pairs.map((pair) => [JSON.stringify(pair[0]), pair]));
   return [...byKey.values()];

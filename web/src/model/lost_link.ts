@@ -1,24 +1,24 @@
-/** What a state does once nobody on the ground is heard: policies in its semantic data (`docs/semantics.md`, Lost link). */
+/** Policies of a state for the loss of the ground, in its semantic data (`docs/semantics.md`, Lost link). */
 
 import type { JsonValue, Loss } from "./generated/protocol.ts";
 import type { Machine } from "./machine.ts";
 import { parentOf } from "./path.ts";
 import { type Semantic, valueAt, withoutKey, withValue } from "./semantic.ts";
 
-/** What is measured: since when the ground is not heard, and since when nobody commands. */
+/** Kinds of loss: no messages from the ground, and no commands. */
 export const LOSSES: readonly Loss[] = ["link", "command"];
 
-/** What a policy can do after a number of seconds, in the order in which it is done. */
+/** Measures of a policy, each after a number of seconds, in order of execution. */
 export const MEASURES = ["finish_s", "hold_s", "recover_s"] as const;
 export type LossMeasure = (typeof MEASURES)[number];
 
-/** Seconds by what is done then; none: the state continues, whatever the policy around it is. */
+/** Seconds until each measure. Without any, the state continues, whatever policy an outer state has. */
 export type LossPolicy = Readonly<Partial<Record<LossMeasure, number>>>;
 
 const KEYS: Readonly<Record<Loss, string>> = { link: "lost_link", command: "lost_command" };
 const YEAR_S = 365 * 86_400;
 
-/** The policy that a state has of its own; null if it has none, "unclear" if it is not understood. */
+/** Own policy of a state; null if it has none, "unclear" if it is not understood. */
 export function ownPolicy(data: Semantic, loss: Loss): LossPolicy | "unclear" | null {
   const value = valueAt(data, [KEYS[loss]]);
   if (value === undefined) return null;
@@ -30,7 +30,7 @@ export function ownPolicy(data: Semantic, loss: Loss): LossPolicy | "unclear" | 
   return isClear && read.length > 0 ? Object.fromEntries(read) : "unclear";
 }
 
-/** The policy that counts for a state without one of its own, and whose it is; null if there is none. */
+/** Policy in effect for a state without its own one, and its owner; null if no outer state has one. */
 export function policyAround(
   machine: Machine,
   path: string,
@@ -43,7 +43,7 @@ export function policyAround(
   return null;
 }
 
-/** The semantic data with this policy; with null, the state has none of its own. */
+/** The semantic data with this policy; null removes the state's own one. */
 export function withPolicy(data: Semantic, loss: Loss, policy: LossPolicy | null): JsonValue {
   const keys = [KEYS[loss]];
   if (policy === null) return withoutKey(data, keys);
@@ -54,7 +54,7 @@ export function withPolicy(data: Semantic, loss: Loss, policy: LossPolicy | null
   return withValue(data, keys, entries.length === 0 ? "continue" : Object.fromEntries(entries));
 }
 
-/** Seconds as the format has them: a number between 0 and a year, or a text that is one. */
+/** Seconds in the format's notation: a number between 0 and a year, or a text with one; null for anything else. */
 export function secondsOf(value: JsonValue): number | null {
   const isText = typeof value === "string" && value.trim() !== "";
   const seconds = isText ? Number(value) : value;

@@ -1,4 +1,4 @@
-/** A machine as everything in the page reads it. Who changes it, and how it came here, is not known here. */
+/** Read interface of a machine for the whole page, independent of its source and its edits. */
 
 import type {
   DataFlowDocument,
@@ -9,30 +9,30 @@ import type {
   TransitionDocument,
 } from "./generated/protocol.ts";
 
-/** States by path. State documents are never changed in place: another object means another state. */
+/** States by path. State documents are immutable: a changed state is another object. */
 export interface Machine {
-  /** Another number whenever anything is different. */
+  /** Changes whenever anything in the machine changes. */
   readonly version: number;
-  /** The path of the root state, which is its id. */
+  /** Path of the root state, which is its id. */
   readonly root: string;
   readonly header: HeaderDocument;
-  /** The state, also one inside a library whose content is here; undefined if there is none. */
+  /** The state, also inside a library with loaded content; undefined if it does not exist. */
   state(path: string): StateDocument | undefined;
-  /** Paths of the children by rising id; of a library state the root of its content, once that is here. */
+  /** Paths of the children by ascending id. For a library state the root of its content, once that is loaded. */
   children(path: string): readonly string[];
-  /** Whether the state belongs to the content of a library, which is shown and never edited. */
+  /** True if the state belongs to the content of a library, which is shown but cannot be edited. */
   isInLibrary(path: string): boolean;
-  /** Paths of all states but those inside libraries, a state before its children. */
+  /** Paths of all states outside libraries, parents before children. */
   paths(): Iterable<string>;
-  /** Paths of the states that are different since a version; null: all may be. Machines that do not change need no answer. */
+  /** Paths of the states that changed since a version; null if all may have changed. Not needed by immutable machines. */
   touchedSince?(version: number): ReadonlySet<string> | null;
 }
 
-/** Outcome ids that every state has. */
+/** Ids of the outcomes that every state has. */
 export const ABORTED = -1;
 export const PREEMPTED = -2;
 
-/** The id that every decider has. */
+/** Id of every decider. */
 export const DECIDER_ID = "unique_decider_state_id";
 
 const NO_OUTCOMES: readonly OutcomeDocument[] = [];
@@ -65,7 +65,7 @@ export function portsOf(state: StateDocument, kind: PortKind): readonly PortDocu
   }
 }
 
-/** Whether states can stand inside: libraries show their content and take nothing. */
+/** True if a state can contain others. Libraries show their content but accept no states. */
 export function isContainer(state: StateDocument): boolean {
   return state.kind === "hierarchy" || isConcurrent(state);
 }
@@ -74,7 +74,7 @@ export function isConcurrent(state: StateDocument): boolean {
   return state.kind === "barrier" || state.kind === "preemptive";
 }
 
-/** The transition from the income of a container: where it starts. */
+/** The transition from the income of a container, which leads to its first state. */
 export function startOf(state: StateDocument): TransitionDocument | undefined {
   return transitionsOf(state).find((transition) => transition.from_state == null);
 }

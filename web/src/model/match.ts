@@ -1,18 +1,18 @@
-/** How well a text fits what somebody types, and where: words in any order, beginnings of words first. */
+/** Matches texts with typed words: in any order, with beginnings of words preferred. Rates the match and locates it. */
 
-/** A part of a text: from a letter on, so many. */
+/** A part of a text, in characters. */
 export interface TextSpan {
   readonly start: number;
   readonly length: number;
 }
 
 export interface Match {
-  /** The higher the better. */
+  /** Higher is better. */
   readonly score: number;
   readonly spans: readonly TextSpan[];
 }
 
-/** What somebody types, ready to be looked for in many texts. */
+/** A typed text, prepared to be matched with many texts. */
 export interface Query {
   readonly words: readonly string[];
 }
@@ -26,8 +26,8 @@ const BEGINS_WORD = 60;
 const INSIDE = 30;
 const SCATTERED = 5;
 
-/** How well it fits, without where; -1 if not every word is there. `lower` is the text in small letters. `loose`: letters may
- * also stand apart, in order (`fmg` finds Fetch the mug). */
+/** Score of a match without its location; -1 if a word is missing. `lower` is the text in lower case. `loose` also accepts letters
+ * in order with gaps (`fmg` finds Fetch the mug). */
 export function scoreOf(query: Query, text: string, lower: string, loose = false): number {
   let score = 0;
   let letters = 0;
@@ -45,7 +45,7 @@ export function scoreOf(query: Query, text: string, lower: string, loose = false
 const EXACT = 40;
 const LENGTH_MAX = 200;
 
-/** The same with where; null if not every word is there. */
+/** Score and location of a match; null if a word is missing. */
 export function match(query: Query, text: string, loose = false): Match | null {
   const lower = text.toLowerCase();
   const score = scoreOf(query, text, lower, loose);
@@ -57,7 +57,7 @@ export function match(query: Query, text: string, loose = false): Match | null {
   return { score, spans: joined(spans) };
 }
 
-/** Where the word stands: where a word begins if it does so anywhere. */
+/** Position of the word in the text: at the beginning of a word if possible. */
 function bestPlace(word: string, text: string, lower: string): number {
   const first = lower.indexOf(word);
   if (first <= 0) return first;
@@ -67,7 +67,7 @@ function bestPlace(word: string, text: string, lower: string): number {
   return first;
 }
 
-/** After something that is no letter, or where small letters end: `grab|Object`. */
+/** True after a character that is neither letter nor digit, and at a change from lower to upper case: `grab|Object`. */
 function beginsWord(text: string, at: number): boolean {
   const [before, here] = [text.charAt(at - 1), text.charAt(at)];
   if (!/[\p{L}\p{N}]/u.test(before)) return true;
@@ -91,7 +91,7 @@ function scattered(word: string, lower: string): TextSpan[] {
   });
 }
 
-/** In order, without overlaps. */
+/** Spans in order, without overlaps. */
 function joined(spans: readonly TextSpan[]): readonly TextSpan[] {
   const found: TextSpan[] = [];
   for (const span of [...spans].sort((one, other) => one.start - other.start)) {

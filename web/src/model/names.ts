@@ -1,12 +1,12 @@
-/** Names and ids that are free. */
+/** Finds unused names and ids. */
 
-/** The name itself, or the first of `name_0`, `name_1`, … that is not taken. */
+/** The name itself, or the first unused one of `name_0`, `name_1`, … */
 export function freshName(name: string, taken: Iterable<string>): string {
   const names = new Set(taken);
   return names.has(name) ? numberedName(name, names) : name;
 }
 
-/** The first of `base_0`, `base_1`, … that is not taken. */
+/** The first unused name of `base_0`, `base_1`, … */
 export function numberedName(base: string, taken: Iterable<string>): string {
   const names = new Set(taken);
   let number = 0;
@@ -14,7 +14,7 @@ export function numberedName(base: string, taken: Iterable<string>): string {
   return `${base}_${number}`;
 }
 
-/** Six capital letters that are no id yet. */
+/** An unused id of six capital letters. */
 export function freshId(taken: (id: string) => boolean): string {
   for (;;) {
     const letters = crypto.getRandomValues(new Uint32Array(6));
@@ -23,7 +23,7 @@ export function freshId(taken: (id: string) => boolean): string {
   }
 }
 
-/** The smallest number from `from` on that is no id yet. */
+/** Smallest unused id from `from` on. */
 export function freshNumber(taken: Iterable<{ readonly id: number }>, from = 0): number {
   const ids = new Set<number>();
   for (const { id } of taken) ids.add(id);

@@ -1,4 +1,4 @@
-/** Numbers in rows, of whatever value holds them: what can be plotted, or looked at as an image. */
+/** Arrays of numbers in values of any type: data for plots and images. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { type Read, read } from "./wire.ts";
@@ -6,14 +6,14 @@ import { type Read, read } from "./wire.ts";
 export interface NumberArray {
   /** Row by row. */
   readonly items: readonly number[];
-  /** How many along each axis. */
+  /** Number of items along each axis. */
   readonly shape: readonly number[];
-  /** How far apart they stood in the value along each axis. */
+  /** Step between kept items of the value along each axis. */
   readonly steps: readonly number[];
   readonly dtype: string | null;
 }
 
-/** The numbers of an array, a list of at least two numbers, or lists of numbers of one length; null of anything else. */
+/** Numbers of an array, of a list of at least two numbers, or of lists of numbers with equal lengths; null for other values. */
 export function numbersOf(found: Read): NumberArray | null {
   if (found.kind === "array") {
     const { items, sampled, steps, dtype } = found;
@@ -39,20 +39,20 @@ function plain(items: readonly JsonValue[]): readonly number[] | null {
   return values.length === found.length ? values : null;
 }
 
-/** The least and the greatest of what is finite; null if nothing is. */
+/** Least and greatest finite number; null if there is none. */
 export function range(items: readonly number[]): readonly [number, number] | null {
   const finite = items.filter((item) => Number.isFinite(item));
   if (finite.length === 0) return null;
   return [Math.min(...finite), Math.max(...finite)];
 }
 
-/** Whether three or four numbers stand for the colour of each point. */
+/** True if the array is an image with three or four colour channels per point. */
 export function isColoured({ shape, dtype }: NumberArray): boolean {
   const depth = shape[2] ?? 0;
   return shape.length === 3 && (depth === 3 || depth === 4) && (dtype ?? "").startsWith("uint8");
 }
 
-/** The columns of a list of at least two dicts that share a key; null of anything else. */
+/** Columns of a list of at least two dicts that share a key; null for other values. */
 export function recordsOf(found: Read): Records | null {
   if (found.kind !== "list" || found.items.length < 2) return null;
   const rows = found.items.map((item) => {
@@ -65,7 +65,7 @@ export function recordsOf(found: Read): Records | null {
   return isShared && keys.length <= KEYS_MAX ? { keys, rows } : null;
 }
 
-/** More columns are no table that anybody reads. */
+/** Greatest number of columns of a readable table. */
 const KEYS_MAX = 12;
 
 export interface Records {

@@ -1,5 +1,4 @@
-/** The order in which the children of a container run, for lists: from the start along the transitions, what nothing leads to
- * last. */
+/** Execution order of a container's children, for lists: from the start along the transitions, unreachable ones last. */
 
 import { DECIDER_ID, type Machine, startOf, transitionsOf } from "./machine.ts";
 import { childPath, idOf } from "./path.ts";
@@ -24,7 +23,7 @@ export function inOrder(machine: Machine, container: string): readonly string[] 
   return [...found, ...rest.filter((path) => !isDecider(path)), ...rest.filter(isDecider)];
 }
 
-/** The states that each state leads to: by its first outcome first, by aborted and preempted last. */
+/** Successors of each state: of its first outcome first, of aborted and preempted last. */
 function goalsOf(transitions: ReturnType<typeof transitionsOf>): Map<string, string[]> {
   const rank = (outcome: number | null | undefined) =>
     outcome == null || outcome < 0 ? Number.POSITIVE_INFINITY : outcome;

@@ -1,6 +1,6 @@
-/** Messages of the server in the words of the page: without addresses of its interface and options of its commands. */
+/** Rewrites messages of the server for the page: without addresses of its interface and options of its commands. */
 
-/** Addresses and options in messages, with the words of the page. */
+/** Addresses and options in messages, with their replacements. */
 const OTHERS: readonly (readonly [RegExp, string])[] = [
   [/: (?:GET )?\/api\/v1\/\S+ lists them$/, ""],
   [/: give it more time \(`--time-limit`\)/, ": give it more time"],

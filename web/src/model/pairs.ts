@@ -1,5 +1,5 @@
-/** Which state of one machine is which of another: by path, and where paths differ by id or content, so that what was moved or
- * got another id is not taken for something new. */
+/** Pairs the states of two machines: by path, otherwise by id or content, so that a moved state, or one with a new id, does not
+ * count as new. */
 
 import type { Machine } from "./machine.ts";
 import { childPath, idOf, parentOf } from "./path.ts";
@@ -28,7 +28,7 @@ class Pairing implements StatePairs {
     this.#now = now;
   }
 
-  /** These two are one, and so are children of the same id. */
+  /** Pairs two states, and their children with equal ids. */
   pairTree(old: string, now: string): void {
     const open: [string, string][] = [[old, now]];
     for (let pair = open.pop(); pair; pair = open.pop()) {
@@ -42,7 +42,7 @@ class Pairing implements StatePairs {
     }
   }
 
-  /** Looks for what has no counterpart at its place: by its id elsewhere, then by its content. */
+  /** Pairs the remaining states: by id at another path, then by content. */
   pairStrays(): void {
     for (const nameOf of [idAndKind, contentOf]) {
       const wanted = new Map<string, string[]>();
@@ -71,7 +71,7 @@ function idAndKind(machine: Machine, path: string): string {
   return `${machine.state(path)?.kind} ${idOf(path)}`;
 }
 
-/** What a state is, whatever its id is and wherever it stands. */
+/** Content of a state, independent of its id and path. */
 function contentOf(machine: Machine, path: string): string {
   const state = machine.state(path);
   if (!state) return path;

@@ -1,6 +1,6 @@
-/** Facts, goals and problems in PDDL: read, written, checked and completed as a person types them. */
+/** Parses, writes, checks and completes facts, goals and problems in PDDL. */
 
-/** A name, or a list in brackets, with its place in the text. */
+/** A name, or a list in brackets, with its position in the text. */
 export type PddlTerm = PddlName | PddlList;
 
 interface PddlName {
@@ -15,7 +15,7 @@ export interface PddlList {
   readonly to: number;
 }
 
-/** Something wrong at a place of a text. */
+/** An error at a position of a text. */
 export interface PddlFault {
   readonly from: number;
   readonly to: number;
@@ -25,7 +25,7 @@ export interface PddlFault {
 /** An object of the world. */
 export interface PddlObject {
   readonly name: string;
-  /** Empty: of no type. */
+  /** Empty without a type. */
   readonly type: string;
 }
 
@@ -33,23 +33,23 @@ export interface PddlObject {
 export interface PddlProblem {
   readonly name: string;
   readonly objects: readonly PddlObject[];
-  /** A fact a line. */
+  /** One fact per line. */
   readonly facts: string;
-  /** What is to be reached, each on a line. */
+  /** One condition per line. */
   readonly goal: string;
 }
 
-/** What facts and goals can be made of. */
+/** Vocabulary of facts and goals. */
 export interface PddlWords {
   readonly signatures: readonly PddlSignature[];
   readonly objects: readonly PddlObject[];
-  /** Each type and the one that it is a kind of. */
+  /** Parent of each type. */
   readonly types: Readonly<Record<string, string>>;
 }
 
 export interface PddlSignature {
   readonly name: string;
-  /** For each argument the types of which it may be any; none: anything. */
+  /** Allowed types of each argument; an empty list allows any. */
   readonly arguments: readonly (readonly string[])[];
   readonly isNumeric: boolean;
 }
@@ -60,13 +60,13 @@ export function isList(term: PddlTerm | undefined): term is PddlList {
   return term !== undefined && "items" in term;
 }
 
-/** The name that a list begins with, in small letters; empty where there is none. */
+/** First name of a list in lower case; empty if there is none. */
 export function headOf(term: PddlTerm | undefined): string {
   const first = isList(term) ? term.items[0] : undefined;
   return first && !isList(first) ? first.name.toLowerCase() : "";
 }
 
-/** All terms of a text, and the brackets that do not fit. */
+/** All terms of a text, and its unmatched brackets. */
 export function readPddl(text: string): {
   readonly terms: readonly PddlTerm[];
   readonly faults: readonly PddlFault[];
@@ -92,7 +92,7 @@ export function readPddl(text: string): {
   return { terms, faults };
 }
 
-/** The objects of a typed list: `a b - place c`. */
+/** Objects of a typed list: `a b - place c`. */
 export function objectsIn(items: readonly PddlTerm[]): readonly PddlObject[] {
   const objects: PddlObject[] = [];
   let names: string[] = [];
@@ -114,13 +114,13 @@ export function objectsIn(items: readonly PddlTerm[]): readonly PddlObject[] {
   return objects;
 }
 
-/** Each type and the one that it is a kind of, from `cup plate - dish`. */
+/** Parent of each type, from `cup plate - dish`. */
 export function typesOfText(text: string): Readonly<Record<string, string>> {
   const pairs = objectsIn(readPddl(text).terms).filter(({ type }) => type !== "");
   return Object.fromEntries(pairs.map(({ name, type }) => [name, type]));
 }
 
-/** What a text says if it is a problem; null if it is not. */
+/** Parses a problem; null if the text is not one. */
 export function problemOfText(text: string): PddlProblem | null {
   const root = readPddl(text).terms.find((term) => headOf(term) === "define");
   if (!isList(root)) return null;
@@ -142,10 +142,10 @@ export function problemOfText(text: string): PddlProblem | null {
   };
 }
 
-/** A problem as an engine reads it. */
+/** Text of a problem for an engine. */
 export function textOfProblem({ name, objects, facts, goal }: PddlProblem): string {
   const typed = objects.map(({ name, type }) => (type === "" ? null : `${name} - ${type}`));
-  // Objects without a type come last: what stands before a type is of that type.
+  // Objects without a type come last, because a type applies to all names before it.
   const bare = objects.filter(({ type }) => type === "").map((object) => object.name);
   const list = [...typed.filter((text) => text !== null), ...bare].join("\n    ");
   return `(define (problem ${symbolOf(name)})
@@ -159,19 +159,19 @@ export function textOfProblem({ name, objects, facts, goal }: PddlProblem): stri
 `;
 }
 
-/** A name that PDDL can read. */
+/** Converts a name to a valid PDDL symbol. */
 function symbolOf(name: string): string {
   const plain = name.trim().replaceAll(/[^A-Za-z0-9_-]+/g, "-");
   return /^[A-Za-z]/.test(plain) ? plain : "plan";
 }
 
-/** The goal of several lines requires all of them. A goal with a fault is unchanged: the server reports the line. */
+/** Goal of a text. Several lines are combined with `and`. A text with a fault is unchanged: the server reports the line. */
 export function goalOfText(text: string): string {
   const { terms, faults } = readPddl(text);
   return terms.length === 1 || faults.length > 0 ? text.trim() : `(and ${text.trim()})`;
 }
 
-/** Whether a type is another or a kind of it. */
+/** True if a type equals another or is derived from it. */
 export function isKindOf(type: string, wanted: string, types: PddlWords["types"]): boolean {
   const seen = new Set<string>();
   let at: string | undefined = type.toLowerCase();
@@ -184,7 +184,7 @@ export function isKindOf(type: string, wanted: string, types: PddlWords["types"]
   return false;
 }
 
-/** What goals and facts say beside facts. */
+/** Words of goals and facts that are not predicates. */
 export const CONNECTIVES: Readonly<Record<string, string>> = {
   and: "all of these",
   or: "any of these",
@@ -207,13 +207,13 @@ export const CONNECTIVES: Readonly<Record<string, string>> = {
   "/": "",
 };
 
-/** What of a text cannot be: brackets, predicates, objects, and how many of them. */
+/** Errors of a text: brackets, predicates, objects, and numbers of arguments. */
 export function faultsOf(text: string, words: PddlWords): readonly PddlFault[] {
   const { terms, faults } = readPddl(text);
   return [...faults, ...faultsIn(terms, words)];
 }
 
-/** What of conditions or facts cannot be. */
+/** Errors of conditions or facts. */
 export function faultsIn(terms: readonly PddlTerm[], words: PddlWords): readonly PddlFault[] {
   const found: PddlFault[] = [];
   for (const term of terms) {
@@ -232,7 +232,7 @@ function check(list: PddlList, words: PddlWords, faults: PddlFault[]): void {
   const rest = list.items.slice(1);
   const signature = words.signatures.find(({ name }) => name.toLowerCase() === head);
   if (!signature) {
-    // At a time, of facts that come true later and of durative actions.
+    // Time specifiers of timed facts and durative actions.
     const isTimed = (head === "at" || head === "over") && isList(rest[1]);
     if (!isTimed && !(head in CONNECTIVES)) faults.push(unknownHead(list, head, words));
     for (const item of rest) {
@@ -281,14 +281,14 @@ function counted(many: number): string {
   return many === 1 ? "1 object" : `${many} objects`;
 }
 
-/** Something to be put at the cursor. */
+/** A completion at the cursor. */
 export interface PddlOffer {
   readonly label: string;
   readonly detail: string;
   readonly kind: "predicate" | "word" | "object" | "type";
 }
 
-/** What fits at the end of a text: predicates behind a bracket, then objects of the type that the predicate takes there. */
+/** Completions at the end of a text: predicates after a bracket, then objects of the type that the predicate requires. */
 export function offersAt(
   before: string,
   words: PddlWords,
@@ -312,7 +312,7 @@ export function offersAt(
   return { typed, offers };
 }
 
-/** What stands in the bracket that is open at the end of a text; null if none is. A list inside counts as one word. */
+/** Content of the open bracket at the end of a text; null if none is open. An inner list counts as one word. */
 function innermost(text: string): readonly string[] | null {
   const open: string[][] = [];
   for (const [token] of text.matchAll(TOKEN)) {

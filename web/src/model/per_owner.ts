@@ -1,7 +1,7 @@
-/** What is made once for each owner, when it is first wanted, and ends with it: derived models, caches and state of higher layers, of
- * which the owner knows nothing. */
+/** Values that are created once per owner, on first use, and end with it: derived models, caches and state of higher layers,
+ * without any reference in the owner. */
 
-/** Makes the value of an owner at the first call, whose further arguments count for good. */
+/** Creates the value of an owner at the first call. The further arguments of later calls are ignored. */
 export function perOwner<Owner extends WeakKey, More extends readonly unknown[], Value>(
   make: (owner: Owner, ...more: More) => Value,
 ): (owner: Owner, ...more: More) => Value {

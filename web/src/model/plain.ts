@@ -1,4 +1,4 @@
-/** A machine that does not change: a document as it came, for what is only looked at or compared. */
+/** An immutable machine from a document, for display and comparison. */
 
 import type { Document, StateDocument } from "./generated/protocol.ts";
 import type { Machine } from "./machine.ts";
@@ -6,7 +6,7 @@ import { parentOf } from "./path.ts";
 
 const NONE: readonly string[] = [];
 
-/** The machine of a document, without the content of its libraries. */
+/** Machine of a document, without the content of its libraries. */
 export function machineOf(document: Document): Machine {
   const states = new Map<string, StateDocument>();
   const children = new Map<string, string[]>();

@@ -1,13 +1,14 @@
-/** The beginning of a value that is too long for its place: more than its type, less than all of it. */
+/** The beginning of a value that is too long: more than its type, less than all of it. */
 
 import { shortValue } from "./short_value.ts";
 import { read, typeWords } from "./wire.ts";
 
-/** Inside of it a value has so much room. */
+/** Greatest length of an inner value. */
 const INSIDE_MAX = 24;
 const MORE = ", …";
 
-/** As `shortValue` where that tells it; of a longer dict or list as much as there is room for: `{frame: "map", joints: dict ⟨9⟩, …}`. */
+/** Returns `shortValue` if that shows more than the type. For a longer dict or list, shows the parts that fit: `{frame: "map",
+ * joints: dict ⟨9⟩, …}`. */
 export function previewValue(value: unknown, max: number): string {
   const short = shortValue(value, max);
   const found = read(value);
@@ -27,7 +28,7 @@ export function previewValue(value: unknown, max: number): string {
   }
 }
 
-/** As many parts as fit; null if none does. */
+/** The parts that fit; null if none does. */
 function began(
   parts: readonly string[],
   count: number,

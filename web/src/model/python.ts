@@ -1,21 +1,21 @@
-/** What the script of a state uses by name: ports, outcomes and global variables. Found by the grammar of Python, so that
- * comments and other texts with the same words are left alone. */
+/** Names that the script of a state uses: ports, outcomes and global variables. The Python grammar finds them, so that comments and
+ * other strings with equal words are ignored. */
 
 import type { SyntaxNode } from "@lezer/common";
 import { parser } from "@lezer/python";
 
-/** One string literal that names something of the machine. */
+/** A string literal that names something of the machine. */
 export interface ScriptUse {
   readonly of: "input" | "output" | "outcome" | "global";
   readonly name: string;
-  /** Where the literal stands, quotes included. */
+  /** Position of the literal, including the quotes. */
   readonly from: number;
   readonly to: number;
-  /** Whether the value is set there, or looked at. */
+  /** Access to the value at that position. */
   readonly access: "set" | "read";
 }
 
-/** Everything that a script names, in the order of the text. */
+/** All names in a script, in the order of the text. */
 export function scriptUses(script: string): readonly ScriptUse[] {
   const top = parser.parse(script).topNode;
   const reading: Reading = { script, names: argumentNames(script, top), found: [] };
@@ -28,7 +28,7 @@ export function scriptUses(script: string): readonly ScriptUse[] {
   return reading.found.sort((one, other) => one.from - other.from);
 }
 
-/** The script with another name in those literals; each keeps its kind of quotes. */
+/** Replaces the name in these literals. Each keeps its kind of quotes. */
 export function renameInScript(script: string, uses: readonly ScriptUse[], name: string): string {
   let renamed = script;
   for (const { from, to } of uses.toSorted((one, other) => other.from - one.from)) {
@@ -38,7 +38,7 @@ export function renameInScript(script: string, uses: readonly ScriptUse[], name:
   return renamed;
 }
 
-/** The line around a place in a text: its number from 1 on, and its words. */
+/** Line around a position in a text: its number, from 1, and its text. */
 export function lineAt(text: string, at: number): { readonly line: number; readonly text: string } {
   const start = text.lastIndexOf("\n", at - 1) + 1;
   const end = text.indexOf("\n", at);
@@ -50,14 +50,14 @@ type NameRole = "input" | "output" | "global";
 
 interface Reading {
   readonly script: string;
-  /** Python names that stand for the inputs, outputs and global variables. */
+  /** Python names of the inputs, outputs and global variables. */
   readonly names: ReadonlyMap<string, NameRole>;
   readonly found: ScriptUse[];
 }
 
 const SINGLETON = "global_variable_manager";
 
-/** The usual names, those that `execute` gives to its arguments, and other names of the singleton. */
+/** The usual names, the parameters of `execute`, and aliases of the singleton. */
 function argumentNames(script: string, top: SyntaxNode): ReadonlyMap<string, NameRole> {
   const names = new Map<string, NameRole>([
     ["inputs", "input"],
@@ -105,7 +105,7 @@ function subscript(node: SyntaxNode, reading: Reading): void {
   if (role) add(role, key, isTarget(node) ? "set" : "read", reading);
 }
 
-/** Whether a value is assigned to what the node says, or it is deleted. */
+/** True if the node is the target of an assignment, or is deleted. */
 function isTarget(node: SyntaxNode): boolean {
   const parent = node.parent;
   if (parent?.name === "DeleteStatement") return true;
@@ -138,7 +138,7 @@ function call(node: SyntaxNode, reading: Reading): void {
   if (key) add(role, key, SETTERS.test(name) || name === "setdefault" ? "set" : "read", reading);
 }
 
-/** The text that is given first, or as `key`. */
+/** The string that is the first argument, or the argument `key`. */
 function firstArgument(given: SyntaxNode, script: string): SyntaxNode | undefined {
   const parts = childrenOf(given);
   if (parts[1]?.name === "String") return parts[1];
@@ -170,7 +170,7 @@ function roleOf(owner: SyntaxNode, { names, script }: Reading): NameRole | undef
   return last && textOf(last, script) === SINGLETON ? "global" : undefined;
 }
 
-/** `return "success"` of `execute` itself, and of variables that it sets to a text. */
+/** `return "success"` of `execute` itself, including variables that it sets to a string. */
 function returns(node: SyntaxNode, reading: Reading): void {
   const name = node.getChild("VariableName");
   const isTop = node.parent?.name === "Script";
@@ -194,14 +194,14 @@ function returns(node: SyntaxNode, reading: Reading): void {
 
 const NESTED = new Set(["FunctionDefinition", "LambdaExpression", "ClassDefinition"]);
 
-/** All nodes inside but those of functions and classes in it. */
+/** All inner nodes except those of nested functions and classes. */
 function own(node: SyntaxNode | null): readonly SyntaxNode[] {
   return childrenOf(node).flatMap((child) =>
     NESTED.has(child.name) ? [] : [child, ...own(child)],
   );
 }
 
-/** What the value of an expression can be. */
+/** Possible values of an expression. */
 function leaves(node: SyntaxNode | null): readonly SyntaxNode[] {
   const parts = childrenOf(node);
   switch (node?.name) {
@@ -221,7 +221,7 @@ function leaves(node: SyntaxNode | null): readonly SyntaxNode[] {
   }
 }
 
-/** What is assigned to a variable alone: `result = "ok"`. */
+/** Values that are assigned to this single variable: `result = "ok"`. */
 function assignments(
   statements: readonly SyntaxNode[],
   variable: string,
@@ -267,7 +267,7 @@ const NAMED: Record<string, string> = {
   v: "\v",
 };
 
-/** The text that a literal stands for; null of bytes and what is none. */
+/** Text of a string literal; null for bytes and other text. */
 export function textOfLiteral(literal: string): string | null {
   const [, prefix = "", , inner] = LITERAL.exec(literal) ?? [];
   if (inner === undefined || /b/i.test(prefix)) return null;

@@ -1,8 +1,8 @@
-/** A value of a run as Python that makes it again, as far as it was kept. */
+/** Python code that recreates a value of a run, as far as it was kept. */
 
 import { type Read, type ReadArray, read } from "./wire.ts";
 
-/** Python: what was not kept is `...`; what has no literal is written by what makes it, or as it looked. */
+/** Parts that were not kept become `...`. A value without a literal becomes a constructor call or its printed form. */
 export function pythonOf(value: unknown): string {
   const found = read(value);
   switch (found.kind) {
@@ -53,7 +53,7 @@ function dictOf({ entries, hasLiteralKeys, count }: Extract<Read, { kind: "dict"
   return `{${[...all, ...(count > entries.length ? ["..."] : [])].join(", ")}}`;
 }
 
-/** With numbers that were kept, shaped as they were taken. */
+/** The kept numbers, in the shape of the sample. */
 function arrayOf({ items, sampled, shape, steps, dtype, shown }: ReadArray): string {
   if (!items) return shown;
   const inner = numbersOf(nested(items, sampled));
@@ -69,7 +69,7 @@ function numbersOf(items: unknown): string {
   return Number.isNaN(value) ? "numpy.nan" : `${value < 0 ? "-" : ""}numpy.inf`;
 }
 
-/** Flat numbers, row by row, as nested lists. */
+/** Converts flat numbers, row by row, to nested lists. */
 export function nested(items: readonly number[], shape: readonly number[]): unknown {
   const [, ...inner] = shape;
   if (shape.length === 0) return items[0] ?? null;

@@ -1,10 +1,10 @@
-/** Values for the inputs of a run: from Python literals as people type them to what a runner reads. */
+/** Values of run inputs: converts typed Python literals to values for a runner. */
 
 import { readDefault } from "./default_text.ts";
 import type { JsonValue } from "./generated/protocol.ts";
 import type { Literal } from "./literal.ts";
 
-/** The value of what was typed for an input of this type, or why it cannot be given to a run. */
+/** Value of a typed text for an input of this type, or the reason why a run cannot use it. */
 export function readInput(text: string, type: string): Literal {
   if (text.trim().startsWith("$"))
     return { refused: "a run needs a value here, not a global variable" };
@@ -13,7 +13,8 @@ export function readInput(text: string, type: string): Literal {
   return { value: forRunner(read.value) };
 }
 
-/** The encoding of values goes to a runner as it is, except where a runner reads it as files are read. */
+/** Adapts an encoded value to a runner. Dicts with only numeric keys are marked, because a runner would read these keys as numbers,
+ * as in files. */
 function forRunner(value: JsonValue): JsonValue {
   if (Array.isArray(value)) return value.map(forRunner);
   if (typeof value !== "object" || value === null) return value;
@@ -25,7 +26,7 @@ function forRunner(value: JsonValue): JsonValue {
   return isReadAsNumbers ? { __dict__: members } : Object.fromEntries(members);
 }
 
-/** Built-in types without their module, which a runner does not import. */
+/** Removes the module of built-in types, which a runner does not import. */
 function memberFor(key: string, inner: JsonValue): JsonValue {
   return key === "__type__" ? String(inner).replace(/^builtins\./, "") : forRunner(inner);
 }

@@ -1,4 +1,4 @@
-/** How a run stands, in words that people read: one word, and what belongs to it. */
+/** Status of a run in words for people: one word with its details. */
 
 import type {
   ActiveState,
@@ -23,17 +23,17 @@ export type RunWord =
   | "not started"
   | "unreadable";
 
-/** How it is coloured; the word says the same. */
+/** Colour of the word, which adds no information. */
 type RunTone = "running" | "waiting" | "held" | "aborted" | "preempted" | "plain";
 
 export interface RunStatusWords {
   readonly word: RunWord;
   readonly tone: RunTone;
-  /** The outcome, or why; empty if there is nothing to say. */
+  /** Outcome or reason; empty if there is none. */
   readonly detail: string;
 }
 
-/** How the run stands, as far as one line about it says. */
+/** Status of a run from its summary. */
 export function summaryStatusWords(run: RunSummary): RunStatusWords {
   switch (run.phase) {
     case "starting":
@@ -53,7 +53,7 @@ export function summaryStatusWords(run: RunSummary): RunStatusWords {
   }
 }
 
-/** Of a run that goes on: for what it waits, if it does. */
+/** Status of a live run, with the reason if it waits. */
 function waitingStatusWords({ waits }: RunSummary): RunStatusWords {
   switch (waits) {
     case "answer":
@@ -73,7 +73,7 @@ function waitingFor(what: string): RunStatusWords {
   return { word: "waiting", tone: "waiting", detail: what === "" ? "" : `for ${what}` };
 }
 
-/** For what a script waits that has asked. */
+/** Reason for waiting of a script with an open question. */
 export const AN_ANSWER = "an answer";
 
 const UNDECIDED: RunStatusWords = {
@@ -82,7 +82,7 @@ const UNDECIDED: RunStatusWords = {
   detail: "for a decision after the crash",
 };
 
-/** How the run stands by all that is known about it. */
+/** Status of a run from its full state. */
 export function runStatusWords(now: RunNow): RunStatusWords {
   const { run, snapshot } = now;
   if (run.phase !== "live" || !snapshot) return summaryStatusWords(run);
@@ -103,7 +103,7 @@ export function runStatusWords(now: RunNow): RunStatusWords {
   }
 }
 
-/** It waits if none of its branches is at work; a script that asks waits for people, whatever else it does. */
+/** A run waits if none of its branches is working. A script with an open question counts as waiting. */
 function runningStatusWords({ active, questions }: Snapshot): RunStatusWords {
   const asks = new Set(questions.map(({ path }) => path));
   const atWork = leaves(active).filter(
@@ -125,19 +125,19 @@ function outcomeTone(id: number): RunTone {
   return id === PREEMPTED ? "preempted" : "plain";
 }
 
-/** True if a lost-link policy holds a branch: it stays paused until somebody resumes it, also once the ground is heard. */
+/** True if a lost-link policy holds a branch. The branch stays paused until somebody resumes it, even after the link is back. */
 export function isHeldByLoss({ active }: Snapshot): boolean {
   return active.some(({ held }) => held.some(({ by }) => by.type === "loss"));
 }
 
-/** By what the run is held, in words: each reason once; empty if it is not held, or by the steps that it goes by alone. */
+/** Reasons why the run is held, each once; empty if it is not held, or only by a pause or a step. */
 function heldInWords(active: readonly ActiveState[]): string {
   const all = active.flatMap(({ held }) => held.map(({ by }) => by));
   const found = all.filter(({ type }) => type !== "step" && type !== "pause");
   return [...new Set(found.map(reasonOfHold))].join(", ");
 }
 
-/** Why something is held, after a word that says that it is: `breakpoint 3`. Empty: because somebody paused it. */
+/** Reason for a hold, to follow a word such as `paused`: `breakpoint 3`. Empty for a pause by a user. */
 export function reasonOfHold(by: HeldBy): string {
   switch (by.type) {
     case "pause":
@@ -155,13 +155,13 @@ export function reasonOfHold(by: HeldBy): string {
   }
 }
 
-/** Cause of a hold by a lost-link policy, and the way out. */
+/** Cause of a hold by a lost-link policy, and the remedy. */
 export const LOSS_WORDS: Readonly<Record<Loss, string>> = {
   link: "the ground was not heard; resume to continue",
   command: "nobody gave a command; resume to continue",
 };
 
-/** What something is held by: `paused by breakpoint 3`. */
+/** A hold with its cause: `paused by breakpoint 3`. */
 export function holdInWords(by: HeldBy): string {
   switch (by.type) {
     case "pause":

@@ -1,5 +1,5 @@
-/** Search over a machine: names, ids, descriptions, scripts, outcomes, ports, types, values and libraries at once. What is
- * known of a state is kept as long as its document is the same. */
+/** Search in a machine: names, ids, descriptions, scripts, outcomes, ports, types, values and libraries. The texts of a state are
+ * cached as long as its document is unchanged. */
 
 import type { ElementRef } from "./element.ts";
 import type { PortDocument, StateDocument } from "./generated/protocol.ts";
@@ -9,7 +9,7 @@ import { idOf } from "./path.ts";
 import { perOwner } from "./per_owner.ts";
 import { python } from "./value.ts";
 
-/** What a text is. */
+/** Kind of a text. */
 export type SearchField =
   | "name"
   | "id"
@@ -24,20 +24,20 @@ export type SearchField =
   | "library"
   | "semantic data";
 
-/** One place where something was found. */
+/** One search result. */
 export interface SearchHit {
   readonly field: SearchField;
   /** The state, or its port or outcome. */
   readonly element: ElementRef;
-  /** The text; of long ones the line. */
+  /** The matching text; for long texts the matching line. */
   readonly text: string;
   readonly spans: readonly TextSpan[];
-  /** Of scripts and descriptions: the line, from 1. */
+  /** Line in a script or description, from 1; null for other fields. */
   readonly line: number | null;
   readonly score: number;
 }
 
-/** Kinds of places that one can ask for alone. */
+/** Groups of fields that can be searched separately. */
 export type SearchScope = "names" | "ports" | "scripts" | "descriptions" | "values" | "libraries";
 
 const SCOPES: Readonly<Record<SearchField, SearchScope>> = {
@@ -55,7 +55,7 @@ const SCOPES: Readonly<Record<SearchField, SearchScope>> = {
   library: "libraries",
 };
 
-/** How much a field weighs: who types a word most often means a name. */
+/** Weights of fields: a typed word is most often a name. */
 const WEIGHTS: Readonly<Record<SearchField, number>> = {
   name: 100,
   library: 55,
@@ -74,7 +74,7 @@ const WEIGHTS: Readonly<Record<SearchField, number>> = {
 interface Text {
   readonly field: SearchField;
   readonly text: string;
-  /** Small letters, to see quickly that something is not there. */
+  /** Lower case, for a fast first check. */
   readonly lower: string;
   readonly part: { readonly kind: PortKind | "outcome"; readonly id: number } | null;
 }
@@ -106,7 +106,7 @@ function read(state: StateDocument): readonly Text[] {
   return found;
 }
 
-/** The default, or what a library state sets instead. */
+/** The default value, or the value that a library state sets instead. */
 function valueText(state: StateDocument, kind: PortKind, port: PortDocument): string | null {
   const values = kind === "input" ? state.library?.inputs : state.library?.outputs;
   const set = values?.find((value) => value.port === port.id && value.used);
@@ -115,27 +115,27 @@ function valueText(state: StateDocument, kind: PortKind, port: PortDocument): st
 }
 
 interface SearchOptions {
-  /** Only these places; left out: all. */
+  /** Group of fields to search; all if missing. */
   readonly scope?: SearchScope | null;
-  /** At most so many hits. */
+  /** Greatest number of results. */
   readonly count: number;
 }
 
 interface SearchHits {
-  /** The best first. */
+  /** Best results first. */
   readonly hits: readonly SearchHit[];
-  /** How many there are, also those that are left out. */
+  /** Total number of results, including those not returned. */
   readonly total: number;
 }
 
-/** A place that fits; where exactly is looked for only if it is shown. */
+/** A matching text. The exact position is determined only for returned results. */
 interface Candidate {
   readonly path: string;
   readonly text: Text;
   readonly score: number;
 }
 
-/** Looks for a text everywhere in a machine, also in content of libraries that is here. */
+/** Searches a machine, including the loaded content of libraries. */
 export function search(machine: Machine, text: string, options: SearchOptions): SearchHits {
   const query = queryOf(text);
   if (query.words.length === 0) return { hits: [], total: 0 };
@@ -159,7 +159,7 @@ export function search(machine: Machine, text: string, options: SearchOptions): 
   return { hits, total: best.total };
 }
 
-/** Candidates by their score, so that only those that are shown have to be sorted. */
+/** Candidates by score, so that only the returned ones are sorted. */
 class BestCandidates {
   readonly #byScore: Candidate[][] = [];
   total = 0;
@@ -213,7 +213,7 @@ function whole(found: Match | null, text: string): MatchedLine | null {
   return found && { match: found, text, line: null };
 }
 
-/** The first line with all words, or else with the first of them. */
+/** First line with all words, otherwise the first line with the first word. */
 function lineWith(query: Query, text: string): MatchedLine | null {
   const lines = text.split("\n");
   const [first] = query.words;

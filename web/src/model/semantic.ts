@@ -1,25 +1,25 @@
-/** Semantic data: the user's notes at a state, keys with values or with keys of their own. */
+/** Semantic data: the user's notes of a state, as keys with values or inner keys. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { parseLiteral } from "./literal.ts";
 import { python } from "./value.ts";
 
-/** Keys from the outermost on. */
+/** Keys from the outermost to the innermost. */
 type KeyPath = readonly string[];
 
-/** One key, with how deep it stands. */
+/** One key with its nesting. */
 export interface SemanticRow {
   readonly keys: KeyPath;
-  /** Null where keys stand inside. */
+  /** Null for a key with inner keys. */
   readonly text: string | null;
-  /** How many keys stand inside. */
+  /** Number of inner keys. */
   readonly size: number;
 }
 
 type KeyValues = readonly (readonly [string, JsonValue])[];
 export type Semantic = JsonValue | null | undefined;
 
-/** All keys, each before those inside it; those inside of a folded one are left out. */
+/** All keys, each before its inner ones. Inner keys of folded ones are omitted. */
 export function semanticRows(data: Semantic, folded: ReadonlySet<string>): readonly SemanticRow[] {
   const rows: SemanticRow[] = [];
   const walk = (pairs: KeyValues, outer: KeyPath) => {
@@ -34,19 +34,19 @@ export function semanticRows(data: Semantic, folded: ReadonlySet<string>): reado
   return rows;
 }
 
-/** A text that is the same for the same keys. */
+/** Unique text of a path of keys. */
 export function rowKey(keys: KeyPath): string {
   return JSON.stringify(keys);
 }
 
-/** How a value reads: texts as they are, unless they look like something else. */
+/** Text of a value. Strings have quotes only if they would be misread without them. */
 export function textOf(value: JsonValue): string {
   if (typeof value !== "string") return python(value);
   const isPlain = value !== "" && value === value.trim() && !/[\n\r]/.test(value);
   return isPlain && "refused" in parseLiteral(value) ? value : python(value);
 }
 
-/** The value that was meant: a literal of Python, or else the text itself. */
+/** Value of a typed text: a Python literal, otherwise the text itself. */
 export function valueOfText(text: string): JsonValue {
   const literal = parseLiteral(text);
   return "value" in literal ? literal.value : text;
@@ -54,13 +54,13 @@ export function valueOfText(text: string): JsonValue {
 
 export type Changed = { readonly data: JsonValue } | { readonly refused: string };
 
-/** The value under these keys; undefined if there is none. */
+/** Value under these keys; undefined if there is none. */
 export function valueAt(data: Semantic, keys: KeyPath): JsonValue | undefined {
   const key = keys.at(-1);
   return pairsAt(data, keys.slice(0, -1)).find(([name]) => name === key)?.[1];
 }
 
-/** The data with another value there. */
+/** The data with this value under these keys. */
 export function withValue(data: Semantic, keys: KeyPath, value: JsonValue): JsonValue {
   const [key, ...inner] = keys;
   if (key === undefined) return value;
@@ -81,7 +81,7 @@ export function withoutKey(data: Semantic, keys: KeyPath): JsonValue {
   return withValue(data, outer, dictionary(pairs));
 }
 
-/** The data with another name for the key, at the same place. */
+/** The data with the key renamed, at its current place. */
 export function withKey(data: Semantic, keys: KeyPath, wanted: string): Changed {
   const name = wanted.trim();
   const key = keys.at(-1) ?? "";
@@ -95,7 +95,7 @@ export function withKey(data: Semantic, keys: KeyPath, wanted: string): Changed 
   return { data: withValue(data, outer, dictionary(next)) };
 }
 
-/** The data with a new key inside of these keys, and the name that it got. */
+/** The data with a new key under `outer`, and the path of that key. */
 export function withNewKey(
   data: Semantic,
   outer: KeyPath,
@@ -115,7 +115,7 @@ function pairsAt(data: Semantic, keys: KeyPath): KeyValues {
   return pairsAt(pairs.find(([name]) => name === key)?.[1], inner);
 }
 
-/** What stands in a dict with texts as keys; null of every other value. */
+/** Entries of a dict with text keys; null for other values. */
 function pairsOf(value: JsonValue): KeyValues | null {
   if (value === null || typeof value !== "object" || Array.isArray(value)) return null;
   const keys = Object.keys(value);
@@ -129,7 +129,7 @@ function pairsOf(value: JsonValue): KeyValues | null {
   return pairs.every(([key]) => typeof key === "string") ? (pairs as KeyValues) : null;
 }
 
-/** A dict, marked where JavaScript would change it. */
+/** A dict, marked as one where a plain object would change it. */
 function dictionary(pairs: KeyValues): JsonValue {
   const isPlain = pairs.every(([key]) => !key.startsWith("__") && !/^\d+$/.test(key));
   if (isPlain) return Object.fromEntries(pairs);

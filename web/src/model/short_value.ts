@@ -1,14 +1,14 @@
-/** A value in the fewest words that tell it: for chips at ports, cells of tables, and folded rows. */
+/** A value in short form: for ports, table cells, and folded rows. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { type Read, type ReadArray, read, typeWords } from "./wire.ts";
 
-/** So long at most. */
+/** Greatest length. */
 const SHORT_MAX = 24;
-/** Floats are shown to so many figures. */
+/** Significant digits of floats. */
 const FIGURES = 6;
 
-/** One chip: `3.14`, `"red"`, `[1, 2]`, `list ⟨300⟩`, `float64 ⟨480×640⟩`, `KeyError: 'a'`. */
+/** Short form of a value: `3.14`, `"red"`, `[1, 2]`, `list ⟨300⟩`, `float64 ⟨480×640⟩`, `KeyError: 'a'`. */
 export function shortValue(value: unknown, max = SHORT_MAX): string {
   const found = read(value);
   const whole = found.kind === "text" ? null : inWords(found, max);
@@ -16,7 +16,7 @@ export function shortValue(value: unknown, max = SHORT_MAX): string {
   return cut(shortened(found, max), max);
 }
 
-/** All of it, if that is short; null if it surely is not. */
+/** The whole value if it is short; null if it is certainly too long. */
 function inWords(found: Read, max: number): string | null {
   switch (found.kind) {
     case "none":
@@ -74,7 +74,7 @@ function entered(entries: readonly (readonly [string, JsonValue])[], max: number
   return `{${entries.map(([key, value]) => `${key}: ${shortValue(value, max)}`).join(", ")}}`;
 }
 
-/** Short arrays by their numbers. One without axes is a number. */
+/** Numbers of a short array. An array without axes is a number. */
 function arrayInWords({ items, shape, sampled }: ReadArray, max: number): string | null {
   const isWhole = shape.every((count, axis) => count === sampled[axis]);
   if (!items || !isWhole || shape.length > 1) return null;
@@ -84,7 +84,7 @@ function arrayInWords({ items, shape, sampled }: ReadArray, max: number): string
   return `[${items.map((item) => shortNumber(item)).join(", ")}]`;
 }
 
-/** A number to six figures, as Python would write it. */
+/** A number with six significant digits, in Python notation. */
 export function shortNumber(value: number, text = String(value)): string {
   if (Number.isNaN(value)) return "nan";
   if (!Number.isFinite(value)) return value > 0 ? "inf" : "-inf";

@@ -1,5 +1,5 @@
-/** The planner annotation of a state: what makes a library a skill. Kept in its semantic data as the reference's planner plugin
- * writes it. */
+/** Planner annotation of a state, which makes a library a skill. It is stored in the semantic data in the format of the reference's
+ * planner plugin. */
 
 import type { JsonValue, StateDocument } from "./generated/protocol.ts";
 import { portsOf } from "./machine.ts";
@@ -20,7 +20,7 @@ import { type Semantic, valueAt, withoutKey, withValue } from "./semantic.ts";
 
 const KEYS = ["RAFCONTPP", "PDDL_ACTION"] as const;
 
-/** All that is written about a skill, in the words of PDDL. */
+/** Annotation of a skill, in PDDL. */
 export interface SkillNotes {
   readonly pddl_action: string;
   readonly pddl_predicates: string;
@@ -38,7 +38,7 @@ const TEXTS = [
   "description",
 ] as const;
 
-/** What engines may have to know for a skill. */
+/** Features of engines that a skill may require. */
 export const REQUIREMENTS = [
   ":strips",
   ":typing",
@@ -55,7 +55,7 @@ export const REQUIREMENTS = [
   ":durative-actions",
 ] as const;
 
-/** The annotation in semantic data; null if there is none. */
+/** Annotation in semantic data; null if there is none. */
 export function skillNotes(data: Semantic): SkillNotes | null {
   if (valueAt(data, KEYS) === undefined) return null;
   const text = (key: string) => {
@@ -72,7 +72,7 @@ export function skillNotes(data: Semantic): SkillNotes | null {
   };
 }
 
-/** The data with some of the annotation changed; what else stands there stays. */
+/** The data with parts of the annotation changed; other data is kept. */
 export function withSkillNotes(data: Semantic, changed: Partial<SkillNotes>): JsonValue {
   return Object.entries(changed).reduce<Semantic>(
     (now, [key, value]) => withValue(now, [...KEYS, key], value as JsonValue),
@@ -88,7 +88,7 @@ export function withoutSkillNotes(data: Semantic): JsonValue {
   return isEmpty ? withoutKey(rest, [KEYS[0]]) : rest;
 }
 
-/** An annotation to begin with: an action with a parameter for each input. */
+/** Initial annotation: an action with a parameter for each input. */
 export function firstNotes(state: StateDocument): SkillNotes {
   const plain = state.name
     .trim()
@@ -114,7 +114,7 @@ interface ReadAction {
   readonly faults: readonly PddlFault[];
 }
 
-/** What an action is made of. */
+/** Parses the parts of an action. */
 function readAction(text: string): ReadAction {
   const { terms, faults } = readPddl(text);
   const [action, second] = terms;
@@ -145,7 +145,7 @@ function readAction(text: string): ReadAction {
 
 const ONE_ACTION = "A state has one action: remove this one.";
 
-/** The predicates or functions that a text declares. */
+/** Predicates or functions that a text declares. */
 function signaturesIn(text: string, isNumeric: boolean): readonly PddlSignature[] {
   return readPddl(text).terms.flatMap((term): PddlSignature[] => {
     const [first, ...rest] = isList(term) ? term.items : [];
@@ -155,7 +155,7 @@ function signaturesIn(text: string, isNumeric: boolean): readonly PddlSignature[
   });
 }
 
-/** Each type and the one that it is a kind of, from `Cup - Dish, Place`. */
+/** Parent of each type, from `Cup - Dish, Place`. */
 function typesIn(text: string): ReadonlyMap<string, string> {
   const parts = text.split(/[,\n]/).map((part) => part.split(" - ").map((each) => each.trim()));
   return new Map(
@@ -165,7 +165,7 @@ function typesIn(text: string): ReadonlyMap<string, string> {
   );
 }
 
-/** What the action can be made of: what is declared here, then what is known from other skills. */
+/** Vocabulary of the action: declarations of this skill, then those known from other skills. */
 export function wordsOfNotes(notes: SkillNotes, known: PddlWords): PddlWords {
   const own = [
     ...signaturesIn(notes.pddl_predicates, false),
@@ -179,7 +179,7 @@ export function wordsOfNotes(notes: SkillNotes, known: PddlWords): PddlWords {
   };
 }
 
-/** What is wrong with the text of an action. */
+/** Errors in the text of an action. */
 export function faultsOfAction(text: string, words: PddlWords): readonly PddlFault[] {
   const { terms, faults } = readAction(text);
   const isAboutTime = (term: PddlTerm) =>
@@ -192,7 +192,7 @@ function textOf(text: string, { from, to }: PddlTerm): string {
   return text.slice(from, to).toLowerCase();
 }
 
-/** Conditions of durative actions without when they hold. */
+/** Conditions of durative actions without their time specifiers. */
 function timeless(term: PddlTerm, isAboutTime: (term: PddlTerm) => boolean): readonly PddlTerm[] {
   if (!isList(term)) return [term];
   if (isAboutTime(term)) return term.items.slice(2);
@@ -200,7 +200,7 @@ function timeless(term: PddlTerm, isAboutTime: (term: PddlTerm) => boolean): rea
   return hasTimes ? term.items.slice(1).flatMap((each) => timeless(each, isAboutTime)) : [term];
 }
 
-/** What does not fit between the action, its words and the ports of the state. */
+/** Mismatches between the action, its declarations and the ports of the state. */
 export function skillFaults(notes: SkillNotes, state: StateDocument): readonly string[] {
   const { parameters } = readAction(notes.pddl_action);
   const inputs = portsOf(state, "input");
@@ -240,7 +240,7 @@ interface MissingPredicate {
   readonly written: string;
 }
 
-/** Predicates that the action uses and nobody has declared, as they follow from its parameters. */
+/** Predicates that the action uses without a declaration, with types from its parameters. */
 function missingPredicates(notes: SkillNotes): readonly MissingPredicate[] {
   const { parameters, terms } = readAction(notes.pddl_action);
   const declared = new Set(
@@ -267,7 +267,7 @@ function missingPredicates(notes: SkillNotes): readonly MissingPredicate[] {
   return [...found.values()];
 }
 
-/** Predicates and types as the action uses them, beside those that are there; null where nothing is missing. */
+/** Declarations extended by the predicates and types that the action uses; null if none is missing. */
 export function filledIn(notes: SkillNotes): Partial<SkillNotes> | null {
   const { parameters } = readAction(notes.pddl_action);
   const predicates = missingPredicates(notes).map(({ written }) => written);

@@ -1,20 +1,20 @@
-/** What a state says of itself, field by field, as it was and as it is. */
+/** Changed fields of a state, before and after. */
 
 import type { LibraryDocument, RuntimeValueDocument, StateDocument } from "./generated/protocol.ts";
 import { isSame } from "./json.ts";
 import { type PortKind, portsOf } from "./machine.ts";
 import { python } from "./value.ts";
 
-/** One field of an element, as it was and as it is, in words. */
+/** Old and new value of an element's field, in words. */
 export interface FieldChange {
   readonly field: string;
   readonly old: string;
   readonly now: string;
-  /** Whether it is a text of lines, of which the differences are worth to be seen. */
+  /** True for texts of several lines, which are shown as a difference. */
   readonly isText: boolean;
 }
 
-/** The fields that are different: name, kind, texts, library and its values. */
+/** Changed fields: name, kind, texts, library and its values. */
 export function stateFields(old: StateDocument, now: StateDocument): readonly FieldChange[] {
   return [
     ...field("name", old.name, now.name),
@@ -41,7 +41,7 @@ function libraryName(library: LibraryDocument | null | undefined): string {
   return library ? `${library.path}/${library.name}` : "";
 }
 
-/** Values that a library state sets for its ports. */
+/** Changed values that a library state sets for its ports. */
 function values(
   old: StateDocument,
   now: StateDocument,

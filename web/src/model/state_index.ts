@@ -1,11 +1,11 @@
-/** The states of a machine by name, ready to be searched at each key: names in small letters and who stands around whom, in
- * plain lists. Words may stand in a state's own name or in those around it; nothing is built for what is not found. */
+/** Index of a machine's states by name, fast enough for a search at each keystroke: lower-case names and parents in flat lists.
+ * Words may match the state's own name or those of outer states. Objects are created only for results. */
 
 import type { Machine } from "./machine.ts";
 
 interface FoundState {
   readonly path: string;
-  /** From 0 to 1: the better, the more. */
+  /** From 0 to 1; higher is better. */
   readonly score: number;
 }
 
@@ -15,12 +15,12 @@ const BEGINS_WORD = 0.8;
 const INSIDE = 0.6;
 const AROUND = 0.45;
 const SCATTERED = 0.35;
-/** Of equal ones the shorter name is the better one, by as much as this. */
+/** Greatest bonus for a short name among equal matches. */
 const SHORT = 0.04;
 
 const INDEXES = new WeakMap<Machine, StateIndex>();
 
-/** The index of a machine as it is now: made when it is wanted first, and again after a change. */
+/** Index of the current machine: created on first use, and again after a change. */
 export function stateIndex(machine: Machine): StateIndex {
   const known = INDEXES.get(machine);
   if (known?.version === machine.version) return known;
@@ -33,7 +33,7 @@ class StateIndex {
   readonly version: number;
   readonly #paths: string[] = [];
   readonly #names: string[] = [];
-  /** The place of the state around, before its own; -1 of the root. */
+  /** Index of the state around each state, which precedes it; -1 for the root. */
   readonly #around: number[] = [];
 
   constructor(machine: Machine) {
@@ -53,7 +53,7 @@ class StateIndex {
     }
   }
 
-  /** The states that fit best, at most so many. */
+  /** Best matches, at most `count`. */
   find(query: string, count: number): readonly FoundState[] {
     const words = query.toLowerCase().split(/\s+/).filter(Boolean).slice(0, WORDS_MAX);
     if (words.length === 0) return [];
@@ -80,7 +80,7 @@ class StateIndex {
     }
   }
 
-  /** Names with the letters in their order; those that have the words were found before. */
+  /** Adds names that contain the letters in order. Names with whole words were added before. */
   #scattered(words: readonly string[], best: BestStates): void {
     const letters = words.join("");
     for (let at = 0; at < this.#names.length; at += 1) {
@@ -90,7 +90,7 @@ class StateIndex {
   }
 }
 
-/** One bit each. */
+/** Greatest number of words; each is one bit of a mask. */
 const WORDS_MAX = 8;
 
 function scoreOf(words: readonly string[], name: string): number {
@@ -107,7 +107,7 @@ function scoreOf(words: readonly string[], name: string): number {
 function beginsWord(name: string, word: string, first: number): boolean {
   for (let at = first; at >= 0; at = name.indexOf(word, at + 1)) {
     const before = name.charCodeAt(at - 1);
-    // A space, a sign: no letter and no digit.
+    // Neither a letter nor a digit.
     if (before < 48 || (before > 57 && before < 97) || (before > 122 && before < 128)) return true;
   }
   return false;
@@ -126,7 +126,7 @@ function isScattered(letters: string, name: string): boolean {
   return true;
 }
 
-/** The best ones that were added, without sorting all. */
+/** The best added states, without sorting all of them. */
 class BestStates {
   readonly #count: number;
   #kept: { readonly at: number; readonly score: number }[] = [];

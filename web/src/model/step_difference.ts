@@ -1,4 +1,4 @@
-/** How a planner's answer differs from the one before: steps that stay, that come and that go, in one order. */
+/** Compares a plan with the previous one: kept, added and removed steps, in one order. */
 
 interface Step {
   readonly action: string;
@@ -8,11 +8,11 @@ interface Step {
 export interface ComparedStep<T extends Step> {
   readonly step: T;
   readonly difference: "kept" | "added" | "removed";
-  /** Its place in the answer that it stands in. */
+  /** Index in its own plan. */
   readonly index: number;
 }
 
-/** A table of so many cells is made at most; beyond, only what both begin and end with is known to stay. */
+/** Greatest size of the comparison table. Beyond it, only equal steps at both ends count as kept. */
 const CELLS_MAX = 1_000_000;
 
 export function nameOfStep({ action, objects }: Step): string {
@@ -56,7 +56,7 @@ interface StepMove {
   readonly at: number;
 }
 
-/** The longest common subsequence, as moves from one list to the other. */
+/** Longest common subsequence, as moves from one list to the other. */
 function common(old: readonly string[], fresh: readonly string[]): readonly StepMove[] {
   const width = fresh.length + 1;
   const isSmall = (old.length + 1) * width <= CELLS_MAX;

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { MachineStep } from "./generated/protocol.ts";
 import { stepRows, stepTree } from "./steps.ts";
 
-/** Steps in short: `2` is an edit, `3=1` one that made the machine what it was at revision 1. */
+/** Steps as short text: `2` is an edit, `3=1` a step that restored the machine of revision 1. */
 function tree(text: string, start = 1) {
   const steps = text.split(" ").map((each): MachineStep => {
     const [revision = 0, same] = each.split("=").map(Number);

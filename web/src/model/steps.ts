@@ -1,19 +1,19 @@
-/** The steps of a machine as a tree, and as rows to be drawn: the newest first, each branch in a lane of its own. */
+/** Steps of a machine as a tree, and as rows for display: the newest first, each branch in its own lane. */
 
 import type { MachineStep, MachineSteps } from "./generated/protocol.ts";
 
-/** A state of the machine that was once, or is now. */
+/** A past or current version of the machine. */
 export interface StepNode {
   readonly revision: number;
-  /** The step that made it; null for the machine as it was read. */
+  /** Step that created it; null for the machine as it was loaded. */
   readonly step: MachineStep | null;
-  /** The node before; null for the first one that is known. */
+  /** Previous node; null for the first known one. */
   readonly parent: number | null;
 }
 
 interface StepTree {
   readonly nodes: ReadonlyMap<number, StepNode>;
-  /** Where the machine is now. */
+  /** Current node. */
   readonly current: number;
 }
 
@@ -32,21 +32,21 @@ export function stepTree({ start, steps }: MachineSteps): StepTree {
   return { nodes, current };
 }
 
-/** How a step stands to where the machine is: it is that, it was on the way there, it was taken back, or it is on another way. */
+/** Relation of a step to the current node: equal, before it, undone after it, or on another branch. */
 type StepPlace = "current" | "done" | "undone" | "branch";
 
 export interface StepRow {
   readonly node: StepNode;
   readonly place: StepPlace;
   readonly lane: number;
-  /** Lanes whose line goes through the row, above and below its middle. */
+  /** Lanes with a line through the row, above and below its middle. */
   readonly above: readonly number[];
   readonly below: readonly number[];
-  /** Lanes of branches that begin at this node: their lines bend to its lane. */
+  /** Lanes of branches that begin at this node. Their lines bend to its lane. */
   readonly joins: readonly number[];
 }
 
-/** The rows, the newest node first; without branches only the way that one is on. */
+/** Rows, the newest node first; without branches only those on the current path. */
 export function stepRows(tree: StepTree, hasBranches: boolean): readonly StepRow[] {
   const places = placesOf(tree);
   const nodes = [...tree.nodes.values()]
@@ -84,7 +84,7 @@ function placesOf({ nodes, current }: StepTree): ReadonlyMap<number, StepPlace> 
   return places;
 }
 
-/** The child that goes on in the lane of its parent: the one on the way to where one is, else the newest. */
+/** Child that continues in the lane of its parent: the one on the path to the current node, otherwise the newest. */
 function heirsOf(
   nodes: readonly StepNode[],
   places: ReadonlyMap<number, StepPlace>,
@@ -99,7 +99,7 @@ function heirsOf(
   return heirs;
 }
 
-/** The first lane is kept for the way that one is on. */
+/** The first lane is reserved for the current path. */
 function freeLane(
   open: ReadonlyMap<number, number>,
   places: ReadonlyMap<number, StepPlace>,

@@ -1,30 +1,30 @@
-/** A traceback of Python, read: its frames and what was raised. */
+/** Parses Python tracebacks: their frames and their error. */
 
 export interface TracebackFrame {
   readonly file: string;
   readonly line: number;
   readonly function: string;
-  /** The line itself, if it was told. */
+  /** Source line; empty if the traceback omits it. */
   readonly code: string;
 }
 
 export interface Traceback {
   readonly frames: readonly TracebackFrame[];
-  /** The frame of the script that is nearest to the error; null without frames. */
+  /** Frame of the script that is nearest to the error; null without frames. */
   readonly own: TracebackFrame | null;
   /** `ValueError: no`. */
   readonly message: string;
-  /** The errors that led to it, the nearest first. */
+  /** Errors that led to it, the nearest first. */
   readonly causes: readonly Traceback[];
 }
 
 const FRAME = /^ {2}File "(.*)", line (\d+), in (.*)$/;
 
 const BEGIN = "Traceback (most recent call last)";
-/** What Python writes between two errors of a chain. */
+/** Text of Python between two errors of a chain. */
 const LINK = /^(The above exception was the direct cause|During handling of the above exception)/;
 
-/** What a text says that is a traceback; null if it is none. Of a chain of errors, the last with those that led to it. */
+/** Parses a traceback; null if the text is not one. For a chain of errors, returns the last one with its causes. */
 export function readTraceback(text: string): Traceback | null {
   const lines = text.split("\n");
   const begins = lines.flatMap((line, index) => (line.startsWith(BEGIN) ? [index] : []));
@@ -49,8 +49,7 @@ function readPart(lines: readonly string[]): Traceback {
   return { frames, own, message: said.join("\n").trimEnd(), causes: [] };
 }
 
-/** A line that tells an error, without the name that the module of a script happens to have: `NoPath: none` of
- * `script160.NoPath: none`. */
+/** An error line without the module name of a script: `NoPath: none` for `script160.NoPath: none`. */
 export function withoutModule(line: string): string {
   return line.replace(/^script\d+\.(?=[^\s.:]+(?::|$))/, "");
 }

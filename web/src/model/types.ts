@@ -1,4 +1,4 @@
-/** Python types of ports: which fit together, and which values fit them. Knows the built-in types; others only Python knows. */
+/** Python types of ports: compatibility between them, and of values with them. Only built-in types are known. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 
@@ -17,7 +17,7 @@ const BUILTIN = [
 
 type Builtin = (typeof BUILTIN)[number];
 
-/** Types that are offered first. */
+/** Types that are suggested first. */
 export const COMMON_TYPES: readonly string[] = [
   "int",
   "float",
@@ -30,7 +30,7 @@ export const COMMON_TYPES: readonly string[] = [
   "object",
 ];
 
-/** The type as people write it: `int` for `builtins.int`. */
+/** Short name of a type: `int` for `builtins.int`. */
 export function shortType(name: string): string {
   const short = name.trim().replace(/^(__builtin__|builtins)\./, "");
   return short === "None" ? "NoneType" : short;
@@ -40,12 +40,12 @@ function isBuiltin(name: string): name is Builtin {
   return (BUILTIN as readonly string[]).includes(name);
 }
 
-/** Whether the text can be the name of a type: `int`, `numpy.ndarray`. */
+/** True if the text is a valid name of a type: `int`, `numpy.ndarray`. */
 export function isTypeName(text: string): boolean {
   return /^[\p{L}_][\p{L}\p{N}_]*(\.[\p{L}_][\p{L}\p{N}_]*)*$/u.test(text.trim());
 }
 
-/** Whether a value may flow from a port of one type to one of the other: not if that is certain to be wrong. */
+/** True if values may flow from a port of type `source` to one of type `target`; false only if that is certainly wrong. */
 export function fits(source: string, target: string): boolean {
   const [from, to] = [shortType(source), shortType(target)];
   if (from === to || from === "object" || to === "object") return true;
@@ -53,7 +53,7 @@ export function fits(source: string, target: string): boolean {
   return from === "bool" && to === "int";
 }
 
-/** What a new port of the type holds. */
+/** Default value of a new port of this type. */
 export function defaultOf(type: string): JsonValue {
   switch (shortType(type)) {
     case "int":
@@ -77,7 +77,7 @@ export function defaultOf(type: string): JsonValue {
   }
 }
 
-/** The built-in type of a value; null where only Python can tell. */
+/** Built-in type of a value; null if only Python can determine it. */
 export function typeOf(value: JsonValue): string | null {
   if (value === null) return "NoneType";
   if (typeof value === "boolean") return "bool";
@@ -99,7 +99,7 @@ const MARKED: Readonly<Record<string, string | null>> = {
   __object__: null,
 };
 
-/** Whether the value can be the default of a port: a text is read when a run starts, `$name` is a global variable. */
+/** True if the value can be the default of a port. A text is parsed when a run starts; `$name` is a global variable. */
 export function valueFits(value: JsonValue, type: string): boolean {
   const wanted = shortType(type);
   const found = typeOf(value);
@@ -115,7 +115,7 @@ const BRACKETS: Readonly<Record<string, readonly [string, string]>> = {
   dict: ["{", "}"],
 };
 
-/** Whether Python can be expected to make a value of the type of this text. */
+/** True if Python is expected to convert the text to the type. */
 function textFits(text: string, type: string): boolean {
   if (text === "None" || /^\$./.test(text)) return true;
   const plain = text.trim();

@@ -1,10 +1,10 @@
-/** Machines without a drawing: those of programs, of which no state has a place. */
+/** Machines without a drawing, such as those created by programs. */
 
 import { readLayout } from "./layout_reader.ts";
 import type { Machine } from "./machine.ts";
 import { parentOf } from "./path.ts";
 
-/** True if the machine has states and none of them has a position. */
+/** True if the machine has at least two states below the root, and none of them has a position. */
 export function isUndrawn(machine: Machine): boolean {
   let count = 0;
   for (const path of machine.paths()) {

@@ -1,4 +1,4 @@
-/** Values as they are on the wire (docs/edits.md, values) and as Python writes them. */
+/** Converts wire values (docs/edits.md, values) to Python. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 
@@ -24,7 +24,7 @@ const SPECIAL: Record<string, (inner: JsonValue, deep: (value: JsonValue) => str
   __object__: (inner) => `<object ${JSON.stringify(inner)}>`,
 };
 
-/** The value as a Python literal, as people type and read it. */
+/** The value as a Python literal for people. */
 export function python(value: JsonValue | undefined): string {
   if (value === null || value === undefined) return "None";
   if (value === true) return "True";

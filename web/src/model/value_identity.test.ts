@@ -4,7 +4,7 @@ import { parseLiteral } from "./literal.ts";
 import { pythonOf } from "./python_of.ts";
 import recorded from "./testing/recorded_values.json" with { type: "json" };
 
-/** What the page writes where not all of a value was kept. */
+/** Text of the page for a value of which only a part was kept. */
 const SHORTENED = /\.\.\.|# \d+ characters|an int of \d+ bits|a nested /;
 
 /** One text for each value, whatever its encoding. JSON does not tell `1.0` from `1`. */

@@ -1,9 +1,9 @@
-/** What a value on the wire is (docs/protocol.md, values; docs/edits.md, values): told apart once, for all who show it. */
+/** Classifies wire values (docs/protocol.md, values; docs/edits.md, values) in one place for all views. */
 
 import type { JsonValue } from "./generated/protocol.ts";
 import { python } from "./value.ts";
 
-/** How much there is of something may be more than what was kept of it: then `count` is more than what is here. */
+/** A classified value. `count` is the original size, which exceeds the kept data if the value was cut. */
 export type Read =
   | { readonly kind: "none" }
   | { readonly kind: "bool"; readonly value: boolean }
@@ -11,7 +11,7 @@ export type Read =
       readonly kind: "number";
       readonly value: number;
       readonly text: string;
-      /** A float without a fraction comes as a whole number: which of both it was cannot be told. */
+      /** `number`: a whole number that may be an int, or a float without a fraction. */
       readonly of: "int" | "float" | "number";
     }
   | { readonly kind: "text"; readonly text: string; readonly count: number }
@@ -23,7 +23,7 @@ export type Read =
     }
   | {
       readonly kind: "dict";
-      /** Its keys as labels. Labels are Python literals if not all keys are texts: `1` and `"1"` are different keys. */
+      /** Entries by key label. Labels are Python literals if not all keys are texts: `1` and `"1"` are different keys. */
       readonly entries: readonly (readonly [string, JsonValue])[];
       readonly hasLiteralKeys: boolean;
       readonly count: number;
@@ -38,11 +38,11 @@ export interface ReadArray {
   readonly of: string;
   readonly dtype: string;
   readonly shape: readonly number[];
-  /** What it looked like. */
+  /** Printed form. */
   readonly shown: string;
-  /** Its numbers row by row, or some of them evenly spaced; null if none were kept. */
+  /** Its numbers row by row, or an evenly spaced sample; null if none were kept. */
   readonly items: readonly number[] | null;
-  /** How many numbers were kept along each axis, and how far apart they stood. */
+  /** Number of kept numbers along each axis, and the step between them. */
   readonly sampled: readonly number[];
   readonly steps: readonly number[];
 }
@@ -51,7 +51,7 @@ type Members = Readonly<Record<string, JsonValue>>;
 
 const SPECIAL = /^[-+]?(nan|inf(inity)?)$/i;
 
-/** What the value is. Whatever came is shown somehow. */
+/** Classifies a value. Every input has a result. */
 export function read(value: unknown): Read {
   if (value === null || value === undefined) return { kind: "none" };
   if (typeof value === "boolean") return { kind: "bool", value };
@@ -96,7 +96,7 @@ function written(text: string, of: "int" | "float"): Read {
   return { kind: "number", value: numberOf(text), text, of };
 }
 
-/** What Python or JSON calls a number; NaN for what is none. */
+/** Parses a number in Python or JSON notation; NaN for other text. */
 function numberOf(text: string): number {
   const plain = text.toLowerCase().replace(/^\+/, "");
   if (!SPECIAL.test(plain)) return Number(plain);
@@ -104,7 +104,7 @@ function numberOf(text: string): number {
   return plain.startsWith("-") ? Number.NEGATIVE_INFINITY : Number.POSITIVE_INFINITY;
 }
 
-/** What was bounded, or has no encoding of its own. */
+/** A value that was cut, or that has no encoding of its own. */
 function represented(members: Members, shown: string, of: string): Read {
   const length = members["__len__"];
   const count = typeof length === "number" ? length : 0;
@@ -123,7 +123,7 @@ function represented(members: Members, shown: string, of: string): Read {
     : { kind: "object", of, shown: isCut ? `${shown}…` : shown };
 }
 
-/** An integer that is too long is only described. */
+/** True if the printed form is a whole number or a special float. An integer that is too long is only described. */
 function isNumber(shown: string, of: string): of is "int" | "float" {
   return (of === "int" && /^-?\d+$/.test(shown)) || (of === "float" && SPECIAL.test(shown));
 }
@@ -163,7 +163,7 @@ function dict(members: Members): Extract<Read, { kind: "dict" }> {
   return { kind: "dict", entries, hasLiteralKeys: true, count: entries.length };
 }
 
-/** A key as a Python literal, or as it looked. */
+/** A key as a Python literal, or in its printed form. */
 export function keyLabel(key: JsonValue): string {
   const shown = isObject(key) ? key["__repr__"] : undefined;
   return typeof shown === "string" ? shown : python(key);
@@ -179,7 +179,7 @@ function isObject(value: JsonValue | undefined): value is { [key in string]: Jso
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
-/** Its type with its size: `list ⟨3⟩`, `float64 ⟨480×640⟩`, `str`. */
+/** Type of a value with its size: `list ⟨3⟩`, `float64 ⟨480×640⟩`, `str`. */
 export function typeWords(found: Read): string {
   switch (found.kind) {
     case "none":

@@ -19,7 +19,7 @@ type Draft = { -readonly [K in keyof StateDocument]: StateDocument[K] };
 const STATE =
   /^(\S+)(?: "([^"]*)")? (execution|decider|hierarchy|barrier|preemptive|library)(?: (-?[\d.]+) (-?[\d.]+) ([\d.]+) ([\d.]+))?(.*)$/;
 
-/** The document of a machine in short text. Throws on what it cannot read. */
+/** Parses a machine in short text. Throws if it is invalid. */
 export function sketch(text: string): Document {
   const states: Draft[] = [];
   const around: Draft[] = [];
