@@ -9,7 +9,7 @@ import { predictedWrites } from "./predict/predict.ts";
 
 const DRAFT: FieldDraft = { machine: "m", path: "R/A", field: "script", text: "new", base: "old" };
 
-/** A machine that is edited, and what becomes of a draft of one of its states. */
+/** A machine under edit, and the draft of one of its states. */
 function followed(draft: FieldDraft) {
   const document = sketch(`
     R hierarchy 0 0 400 300 outcome ok

@@ -9,7 +9,7 @@ const WHOLE = `R hierarchy
     G hierarchy
       C "Close the gripper" execution`;
 
-/** A machine of which one library is loaded at a time. */
+/** A machine that loads one library at a time. */
 function session(...stages: readonly string[]) {
   const machines = stages.map((text) => machineOf(sketch(text)));
   const asked: string[] = [];

@@ -12,7 +12,7 @@ function told(entries: Parameters<Journal["add"]>[0]): Calls {
   return calls;
 }
 
-/** Each call on a line: how deep, which state, from which event to which, how it looks. */
+/** One line per call: depth, state, first and last event, appearance. */
 function written(calls: Calls): string {
   const lines: string[] = [];
   const write = (call: number) => {

@@ -48,7 +48,7 @@ test("states are told with their times and outcomes, the most frequent first", (
   ]);
 });
 
-/** The same, counted from the first event on with nothing kept. */
+/** Counts from the first event on, without a cache. */
 function fromScratch(journal: Journal, index: number): readonly string[] {
   const since = new Map<string, number>();
   const lengths = new Map<string, number[]>();

@@ -11,7 +11,7 @@ const left = (path: string, outcome = ABORTED, error: string | null = null) =>
 const log = (path: string, message: string, level = "error") =>
   ({ type: "log", path, message, level }) as unknown as Event;
 
-/** The reason for the end of `R/A`, which the events begin and end. */
+/** Reason for the end of `R/A`, which the events start and end. */
 function reason(...events: readonly Event[]): string | null {
   const journal = new Journal();
   const entries = events.map((event, at) => ({ sequence: at + 1, t_ns: at, event }));

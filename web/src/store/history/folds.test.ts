@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { expect, test } from "vitest";
 import { Folds } from "./folds.ts";
 
-/** Letters stand for states: `A B×3 CD×2` are A, three times B, twice C D. */
+/** Letters are states: `A B×3 CD×2` is A, three times B, twice C D. */
 function folded(text: string, cuts: readonly number[] = []): string {
   const paths = [...text].map((letter) => letter.codePointAt(0) ?? 0);
   const calls = paths.map((_, call) => call);

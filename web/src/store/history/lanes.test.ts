@@ -17,7 +17,7 @@ class Told {
   }
 }
 
-/** Each lane with its rows and leaves: the first events of calls, and how many failed. */
+/** Each lane with its rows and leaves: the first events of calls, and the number of failures. */
 function written({ calls, lanes }: Told): string {
   const first = (call: number) => calls.journal.sequence(calls.begin(call));
   const row = (each: CallRow) => `${each.calls.map(first).join(" ")} (${each.failed(0, Infinity)})`;

@@ -15,7 +15,7 @@ function journalOf(entries: readonly HistoryEntry[]): Journal {
   return journal;
 }
 
-/** The events that were told, without those from earlier. */
+/** The received events, without earlier ones. */
 function told(journal: Journal): readonly string[] {
   return Array.from({ length: journal.length - journal.first }, (_, index) => {
     return JSON.stringify(journal.at(journal.first + index));
@@ -30,7 +30,7 @@ function counts(journal: Journal, sequence: number): readonly string[] {
     .sort();
 }
 
-/** Calls that go on or end from an event on. */
+/** Calls that are open or end from an event on. */
 function callsFrom(journal: Journal, sequence: number): readonly string[] {
   const calls = callsOf(journal);
   const found: string[] = [];

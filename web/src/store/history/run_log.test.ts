@@ -18,7 +18,7 @@ function setUp(count = 2) {
     }
   };
   const asked: string[] = [];
-  /** The server: at most so many lines a page. */
+  /** Page size of the server, in lines. */
   const get = <T>(_: string, what: string): Promise<T> => {
     asked.push(what);
     const from = Number(/from=(\d+)/.exec(what)?.[1]);

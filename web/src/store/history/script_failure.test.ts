@@ -10,7 +10,7 @@ const TRACEBACK = `Traceback (most recent call last):
 ValueError: no box
 `;
 
-/** What is known of the end of `R/A`, so many events after its traceback. */
+/** Failure of `R/A`, this number of events after its traceback. */
 function found(many: number): readonly (string | undefined)[] {
   const journal = new Journal();
   const log = { type: "log", path: "R/A", level: "error", stream: "logger" } as const;

@@ -9,7 +9,7 @@ import { originOf } from "./origin.ts";
 import { failureAt } from "./script_failure.ts";
 import { visitsOf } from "./visits.ts";
 
-/** `A+` is entered, `A-` is left, `A!` writes a traceback; `.` is an event that is nothing but a value, and not told. */
+/** `A+` enters a state, `A-` leaves it, `A!` logs a traceback; `.` is a value event, which the page does not receive. */
 function journalOf(text: string): Journal {
   const journal = new Journal();
   const words = text.split(" ");
@@ -49,7 +49,7 @@ test("the traceback of a state is that of the script inside it", () => {
   expect(failureAt(journal, "R/B", 4, 5)).toBeNull();
 });
 
-/** A state `A`, and a value of it that goes through so many states in each other. */
+/** A state `A` with a value that passes through this number of nested states. */
 function nested(count: number): string {
   const level = (depth: number): readonly string[] => {
     if (depth > count) return [];

@@ -18,7 +18,7 @@ test("the machine in front names a state first, then the other machines", () => 
   expect(withStateNames([], null, "ROOTID/A waits")).toBe("ROOTID/A waits");
 });
 
-/** Texts that contain a path as it is: a path in a sentence, or alone in an element. */
+/** Texts that contain a raw path: in a sentence, or alone in an element. */
 const SHOWN_PATH =
   /[a-z,:] \$\{(\w+\.)?[pP]ath\}|\$\{(\w+\.)?[pP]ath\}[,:]? [a-z]|>\{(\w+\.)?path\}<|[a-z] \{(\w+\.)?path\}[,.]/;
 /** Paths of folders and libraries are names already, and keys are not shown. */

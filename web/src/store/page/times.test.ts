@@ -16,7 +16,7 @@ import {
 
 const NOON_MS = Date.UTC(2026, 10, 22, 12, 0, 0);
 
-/** A run that began at noon UTC, with these events. */
+/** A run that started at noon UTC, with these events. */
 function watch(events: readonly HistoryEntry[] = [], robot: Partial<RunNow> = {}): Watch {
   const journal = new Journal();
   journal.add(events, events.length + 1);
@@ -24,13 +24,13 @@ function watch(events: readonly HistoryEntry[] = [], robot: Partial<RunNow> = {}
   return { journal, now: { value: { run, ...robot } } } as unknown as Watch;
 }
 
-/** A run of a robot far away that says it began at noon; this is known of its clock. */
+/** A run of a remote robot that started at noon by its own clock, with this knowledge of that clock. */
 function farAway(clock: ClockOffset | null): Watch {
   const run = { started_ms: NOON_MS, robot: "scout" };
   return watch([], { run, robot: { clock } } as unknown as Partial<RunNow>);
 }
 
-/** A time of the run on each scale, and all of them together. */
+/** A time of the run on each scale, and on all scales together. */
 function onAllScales(run: Watch): Readonly<Record<string, string>> {
   const times = TIME_SCALES.filter(({ value }) => value !== "local").map(({ value }) => {
     timeScale.value = value;

@@ -5,7 +5,7 @@ import { RefusalError } from "../page/server.ts";
 import { missingIn, NO_INPUTS, requestOf, withFile, wordsOf } from "./inputs.ts";
 import { Planner } from "./planner.ts";
 
-/** A planner whose server says what a test says. */
+/** A planner with a scripted server. */
 function setUp(store = memoryStore()) {
   const asked: unknown[] = [];
   let say: (event: PlanEvent) => void = () => {};

@@ -7,7 +7,7 @@ import { memoryStore } from "../local_store.ts";
 import { twoTabs } from "../testing/two_tabs.ts";
 import { acknowledge, droppedFailures, failures, openFailures } from "./acknowledged.ts";
 
-/** A run whose journal grows by what is told. */
+/** A run with a growing journal. */
 function run(id: string) {
   const journal = new Journal();
   const journalVersion = signal(0);

@@ -4,7 +4,7 @@ import type { ActiveState, Hold, Moment, Phase, RunNow } from "../../model/gener
 import type { RunSnapshot, Watch } from "../history/run.ts";
 import { type Active, activeStates, heldBefore, isHolding, lanes, placeOfLane } from "./active.ts";
 
-/** A watch of which only what is shown counts. */
+/** A watch with the shown state only. */
 function watching(now: readonly ActiveState[], picture?: Partial<Moment>): Watch {
   const shown = { now: signal<RunNow | null>(null), playhead: signal<number | null>(null) };
   const run = { phase: "live" };

@@ -14,7 +14,7 @@ interface Given {
   readonly link?: Link;
   readonly phase?: "live" | "finished";
   readonly runner?: RunNow["link"];
-  /** When the server said what was heard last, by this browser's clock. */
+  /** Time of the last message by this browser's clock. */
   readonly server_ms?: number;
   readonly old_ms?: number;
   readonly ahead_ms?: number;

@@ -1,4 +1,4 @@
-/** What is asked for of what is watched, and when a value counts that came ahead of its event. */
+/** Watch requests, and the validity of values that arrived ahead of their events. */
 
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";

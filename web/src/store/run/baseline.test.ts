@@ -16,7 +16,7 @@ import {
 
 const SECONDS = (ms: number) => `${ms / 1_000} s`;
 
-/** What is usual after a state took so many seconds each time. */
+/** Baseline after the state took these numbers of seconds. */
 function baseline(seconds: readonly number[], past: Baseline | null = null): Baseline | null {
   const counts = new Counts();
   for (const length of seconds) {

@@ -3,7 +3,7 @@ import type { HistoryEntry } from "../../model/generated/protocol.ts";
 import { Journal } from "../history/journal.ts";
 import { heatOf } from "./heat.ts";
 
-/** Each state ran so often for so many ms at a time. */
+/** Entries of each state, and ms per entry. */
 function ran(states: Readonly<Record<string, readonly [number, number]>>): Journal {
   const journal = new Journal();
   const entries: HistoryEntry[] = [];

@@ -19,7 +19,7 @@ interface Given {
   readonly robot_ms?: number;
 }
 
-/** Which states run longer than ever, of one that took 2 s so often; `unknown` while that cannot be known. */
+/** States that run longer than ever after this number of runs of 2 s; `unknown` while undetermined. */
 function longer(given: Given): string {
   const { times = 5, since_ms, phase = "running", link = "up", later_ms = 0 } = given;
   const { server_ms = later_ms, robot_ms } = given;

@@ -26,7 +26,7 @@ R hierarchy 0 0 400 300 outcome done
 `),
 );
 
-/** Events as words: `>A` is an entry, `<A` an end by `ok`, `<A:-1` another end, `!` behind it a step back. */
+/** Events as words: `>A` is an entry, `<A` an end with `ok`, `<A:-1` an end with another outcome, `!` at the end a step back. */
 function journal(text: string): Journal {
   const found = new Journal();
   const entries: HistoryEntry[] = text
@@ -56,7 +56,7 @@ function recentPathOf(text: string): RecentPath {
   return recentPath;
 }
 
-/** What lies behind: states and transitions with their age. */
+/** Past states and transitions with their age. */
 function told(recentPath: RecentPath): string {
   return recentPath
     .past()
@@ -124,7 +124,7 @@ test("where a held branch goes next is its transition, if that leads there", () 
   expect(nextLine(recentPath, "R", "R/C")).toBe(null);
 });
 
-/** The transition that leads from where the container continues to a child. */
+/** The transition from the container's current position to a child. */
 function nextLine(recentPath: RecentPath, container: string, next: string): string | null {
   const from = recentPath.from(container);
   return from && transitionOf(MACHINE, from, next);

@@ -12,11 +12,11 @@ const NOW_MS = 100_000;
 interface Given {
   readonly phase?: "live" | "finished";
   readonly playhead?: number;
-  /** When the server was heard last. */
+  /** Time of the last message from the server. */
   readonly heard_ms?: number;
 }
 
-/** Its runner spoke last five seconds ago, when it had gone on for two; its last event is older. */
+/** Its runner was last received five seconds ago, two seconds after the start. Its last event is older. */
 function come({ phase = "live", playhead, heard_ms = NOW_MS }: Given): number {
   const journal = new Journal();
   journal.add(events("> R\n > R/A"), 3);

@@ -13,7 +13,7 @@ const RAN = "R hierarchy outcome done\n  A execution 10 10 80 60 outcome ok";
 beforeEach(() => void vi.useFakeTimers());
 afterEach(() => void vi.useRealTimers());
 
-/** A tab whose machine is this text, beside a run that goes by `RAN` and, from root `h` on, by `reloaded`. */
+/** A tab with the machine of this text, and a run that uses `RAN` and, from root `h` on, `reloaded`. */
 function setUp(text: string, reloaded = RAN, hasBegun = true) {
   let changed = () => {};
   const session = {
@@ -59,7 +59,7 @@ function setUp(text: string, reloaded = RAN, hasBegun = true) {
     journal.add([{ sequence, t_ns: 1, event }], sequence + 1);
     journalVersion.value = journal.length;
   };
-  /** So many lines of the log come. */
+  /** Adds log lines. */
   const chatter = (count: number) => {
     const from = journal.next;
     const event = {

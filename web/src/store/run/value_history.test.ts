@@ -19,7 +19,7 @@ function scoped(path: string, name: string, value: number): Event {
   return { type: "scoped", path, name, value };
 }
 
-/** A server with these events, three a page. */
+/** A server with these events, three per page. */
 class Told {
   readonly asked: string[] = [];
   readonly events: Event[] = [];

@@ -1,4 +1,4 @@
-/** The values of a state and of what is in it: of a moment, and of those that came ahead of their events. */
+/** Values of a state and of its content: those of a moment, and those ahead of their events. */
 
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";

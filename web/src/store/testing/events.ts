@@ -1,9 +1,10 @@
-/** Events for tests: from short text, and at random as a run would tell them. */
+/** Events for tests: from short text, or random as in a run. */
 
 import type { Event, HistoryEntry } from "../../model/generated/protocol.ts";
 
-/** Events as short text, one a line, one ms apart: `> R/A` is an entry, `< R/A done` an end, `< R/A done: words` one with an error, with `!` after the path a step back,
- * `x R/A` a drop, `= R/A words` a line of the log, `! R/A words` a warning, `crash` a runner that took up after another. */
+/** Events as short text, one per line, one ms apart: `> R/A` is an entry, `< R/A done` an end, `< R/A done: words` an end with an
+ * error, both with `!` after the path for a step back; `x R/A` is a drop, `= R/A words` a log line, `! R/A words` a warning,
+ * `crash` a restart after the runner died. */
 export function events(text: string): readonly HistoryEntry[] {
   return text
     .trim()
@@ -44,7 +45,7 @@ function eventOf(what: string, path: string, words: string): Event {
   }
 }
 
-/** Numbers below one, always the same after the same seed. */
+/** Random numbers below one, determined by the seed. */
 export function random(seed: number): () => number {
   let state = seed * 2_654_435_761 + 1;
   return () => {
@@ -54,8 +55,8 @@ export function random(seed: number): () => number {
   };
 }
 
-/** What a run of a machine with hierarchies (H) and concurrency (C) tells, in so many events or a few more. Now and then states fail,
- * or the runner dies and resumes again. */
+/** Events of a random run of a machine with hierarchies (H) and concurrency (C), at least `many` of them. Sometimes states fail, or
+ * the runner dies and resumes. */
 export function randomRun(seed: number, many: number): readonly HistoryEntry[] {
   const run = new RandomRun(random(seed));
   run.enter("R");
@@ -86,7 +87,7 @@ class RandomRun {
     else if (!this.#open.some((other) => other.startsWith(`${path}/`))) this.#goOn(path);
   }
 
-  /** Something begins in a state in which nothing runs, or it ends. */
+  /** Enters a state inside an idle state, or leaves that state. */
   #goOn(path: string): void {
     const isContainer = /[RHC]$/.test(path) && path.split("/").length < DEEPEST;
     if (path !== "R" && !(isContainer && this.#chance() < 0.6)) this.#leave(path);

@@ -1,4 +1,4 @@
-/** What two tabs of a browser keep together, for tests: what one puts, the other is told of at once. */
+/** Storage shared by two tabs of a browser, for tests. Each tab is notified immediately of the other's changes. */
 
 import { type LocalStore, memoryStore } from "../local_store.ts";
 

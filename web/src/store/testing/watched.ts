@@ -1,4 +1,4 @@
-/** A run as the page watches it, without a server, for tests: a test says how it stands and what happens in it. */
+/** A watched run without a server, for tests: the test sets its status and adds its events. */
 
 import { signal } from "@preact/signals-core";
 import type { Event, RunNow, RunSummary } from "../../model/generated/protocol.ts";
@@ -8,7 +8,7 @@ import type { SentCommand, Watch } from "../history/run.ts";
 
 export const STARTED_MS = 1_000_000;
 
-/** The line about a run of the machine that `commands/testing/context.ts` puts in front. */
+/** Summary of a run of the machine that `commands/testing/context.ts` puts in front. */
 export function runLine(phase: "live" | "crashed" | "finished", id = "drill-1"): RunSummary {
   const machine = { project: "p", path: "drill" };
   const times = { started_ms: STARTED_MS, length_ms: 83, events: 4, bytes: 100 };
@@ -19,7 +19,7 @@ export function runLine(phase: "live" | "crashed" | "finished", id = "drill-1"):
 
 export interface Watched {
   readonly watch: Watch;
-  /** These happen, one a millisecond. */
+  /** Adds events at intervals of one millisecond. */
   readonly tell: (...events: readonly Event[]) => void;
 }
 

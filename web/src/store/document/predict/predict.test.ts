@@ -17,7 +17,7 @@ const TEXT = `
     A.pose >> B.pose
     A.pose >> R.found`;
 
-/** What is different after the edit: paths that are gone, and the states that are there. */
+/** Changes by the edit: removed paths, and changed states. */
 function done(
   edit: Edit,
 ): { gone: string[]; states: Record<string, Partial<StateDocument>> } | null {

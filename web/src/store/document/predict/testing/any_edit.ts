@@ -1,4 +1,4 @@
-/** Any edit of the kinds that are predicted, for tests: mostly one that can be made, sometimes not. */
+/** Random edits of all predicted kinds, for tests: most of them valid, some not. */
 
 import type { Edit, Goal, PortList, StateDocument } from "../../../../model/generated/protocol.ts";
 import {
@@ -12,12 +12,12 @@ import {
 } from "../../../../model/machine.ts";
 import { idOf, parentOf } from "../../../../model/path.ts";
 
-/** Gives one of the numbers from 0 to below the bound. */
+/** Picks a number from 0 to below the bound. */
 export type Pick = (bound: number) => number;
 
 type Maker = (state: StateDocument, machine: Machine, pick: Pick) => Edit;
 
-/** An edit of some state of the machine. */
+/** An edit of a random state of the machine. */
 export function anyEdit(machine: Machine, pick: Pick): Edit {
   const state = one([...machine.paths()], pick);
   const document = state === undefined ? undefined : machine.state(state);
@@ -72,7 +72,7 @@ function next(list: readonly { readonly id: number }[]): number {
   return Math.max(0, ...list.map((each) => each.id)) + 1;
 }
 
-/** The state, and perhaps a sibling. */
+/** The state, with a sibling or without. */
 function someIds(machine: Machine, path: string, pick: Pick): string[] {
   const sibling = one(machine.children(parentOf(path) ?? path), pick);
   return [...new Set([path, ...(sibling && pick(2) > 0 ? [sibling] : [])])].map(idOf);
