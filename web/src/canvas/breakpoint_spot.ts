@@ -1,16 +1,16 @@
-/** Where the breakpoint of a state is, and is set by a click: on its upper border, near the left corner. */
+/** Position of the dot that shows and toggles a breakpoint: on the upper border of a state, near its left corner. */
 
 import type { Box, Point } from "../model/geometry.ts";
 
-/** Smaller boxes, in CSS pixels of their shorter side, have none. */
+/** Smallest shorter side of a box that has a dot, in CSS pixels. */
 const LEAST = 24;
-/** From the corner, so that the handle for resizing stays free. */
+/** Distance from the corner, in CSS pixels. It keeps the resize handle free. */
 const AWAY = 16;
 
-/** How near to it counts, in CSS pixels. */
+/** Largest distance from the dot at which a click still hits it, in CSS pixels. */
 export const BREAKPOINT_REACH = 7;
 
-/** The middle of the spot of a box on the screen; null where there is no room for it. */
+/** Center of the dot of a box on the screen; null if the box is too small for one. */
 export function breakpointSpot({ x, y, width, height }: Box): Point | null {
   if (Math.min(width, height) < LEAST) return null;
   return { x: x + Math.min(AWAY, width / 3), y };

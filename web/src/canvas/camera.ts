@@ -1,9 +1,9 @@
-/** Where the camera looks: pure functions between the root's coordinates and CSS pixels of the view. */
+/** Conversion between the root's coordinates and CSS pixels of the view, and camera movements. All functions are pure. */
 
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Camera } from "../store/page/view.ts";
 
-/** How far in and out one can go, in CSS pixels for a unit of the root. */
+/** Limits of the zoom, in CSS pixels per unit of the root. */
 const SCALE_MIN = 1e-4;
 const SCALE_MAX = 1e7;
 
@@ -20,7 +20,7 @@ export function screenBox(camera: Camera, box: Box): Box {
   return { ...at, width: box.width * camera.scale, height: box.height * camera.scale };
 }
 
-/** What can be seen in a view of this size, in the root's coordinates. */
+/** Visible area for a view of this size, in the root's coordinates. */
 export function visibleBox(camera: Camera, view: Size): Box {
   return {
     x: camera.x,
@@ -30,19 +30,19 @@ export function visibleBox(camera: Camera, view: Size): Box {
   };
 }
 
-/** Zooms so that what is under this point of the view stays there. */
+/** Zooms and keeps the point under `at` in place. */
 export function zoomedAt(camera: Camera, at: Point, factor: number): Camera {
   const scale = Math.min(SCALE_MAX, Math.max(SCALE_MIN, camera.scale * factor));
   const fixed = worldFromScreen(camera, at);
   return { x: fixed.x - at.x / scale, y: fixed.y - at.y / scale, scale };
 }
 
-/** Moves what is shown by so many CSS pixels. */
+/** Moves the content by this many CSS pixels. */
 export function panned(camera: Camera, by: Point): Camera {
   return { ...camera, x: camera.x - by.x / camera.scale, y: camera.y - by.y / camera.scale };
 }
 
-/** Looks at a box so that it fills the view but for a margin in CSS pixels. */
+/** Camera that shows the whole box, centered, with a margin in CSS pixels. */
 export function fitted(box: Box, view: Size, margin: number): Camera {
   const width = Math.max(1, view.width - 2 * margin);
   const height = Math.max(1, view.height - 2 * margin);
@@ -55,7 +55,7 @@ export function fitted(box: Box, view: Size, margin: number): Camera {
   };
 }
 
-/** The way from one camera to another, `part` from 0 to 1: zooms evenly for the eye, about the point that stays. */
+/** Camera between two others, for `part` from 0 to 1. The zoom appears even to the eye, about the point that stays in place. */
 export function flight(from: Camera, to: Camera, part: number): Camera {
   if (part >= 1) return to;
   const scale = from.scale * (to.scale / from.scale) ** part;

@@ -1,35 +1,35 @@
-/** What others may ask of the canvas: where to look. What it shows it reads from the stores by itself. */
+/** Interface for moving and controlling the canvas from outside. The canvas reads its content from the stores. */
 
 import type { ReadonlySignal } from "@preact/signals-core";
 import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 
 export interface CanvasControl {
-  /** Flies so that these states (or, of none, the root) fill the view. */
+  /** Flies until these states fill the view. An empty list means the root. */
   readonly fit: (paths: readonly string[]) => void;
-  /** Flies so far that the element can be seen and read, and no farther. */
+  /** Flies until the element is visible and readable, and no farther. */
   readonly reveal: (element: ElementRef) => void;
-  /** Flies to the machine that is offered, or to one of its states. */
+  /** Flies to the proposed machine, or to one of its states. */
   readonly revealGhost: (path?: string) => void;
-  /** Zooms about the middle of the view. */
+  /** Zooms about the center of the view. */
   readonly zoom: (factor: number) => void;
-  /** Moves what is shown by so many CSS pixels. */
+  /** Moves the content by this many CSS pixels. */
   readonly pan: (by: Point) => void;
-  /** The view in the root's coordinates. */
+  /** Visible area, in the root's coordinates. */
   readonly visible: () => Box;
-  /** Where in a container the pointer is, in the container's coordinates; null if it is not over the canvas. */
+  /** Container under the pointer, and the position in its coordinates; null if the pointer is not over the canvas. */
   readonly pointer: () => { readonly path: string; readonly at: Point } | null;
-  /** Begins a connection at the selected port, or at the next best one of the selected state, by keyboard. */
+  /** Starts a connection by keyboard: at the selected port, or at the most suitable port of the selected state. */
   readonly beginConnection: () => void;
-  /** Begins to rename the state, in place. */
+  /** Opens the field that renames the state in place. */
   readonly rename: (path: string) => void;
-  /** Ends what the pointer or keyboard has begun, without a change; false if nothing was. */
+  /** Cancels the current gesture; false if there was none. */
   readonly cancel: () => boolean;
-  /** Opens the menu of what is selected, at its place. */
+  /** Opens the menu of the selection, at its position. */
   readonly openMenu: () => void;
-  /** Makes what is still to be made of steps by keyboard: before anything else is done. */
+  /** Applies pending steps by keyboard. Call it before other changes. */
   readonly flush: () => void;
   readonly focus: () => void;
-  /** The state that fills the view: what one works in. */
+  /** The innermost state that fills the view. The user works in it. */
   readonly stage: ReadonlySignal<string>;
 }

@@ -1,12 +1,12 @@
-/** The way of a data flow: a soft curve that leaves and enters its ports at right angles, or the author's waypoints. */
+/** Shape of a data flow: a smooth curve that leaves and enters its ports at right angles, or follows the author's waypoints. */
 
 import { distance, type Point } from "../model/geometry.ts";
 import { boxOf, longestOf, type Routed, type RouteEnd } from "./route.ts";
 
-/** So many straight pieces look round. */
+/** Straight pieces of a curve. More would not appear smoother. */
 const PIECES = 16;
 
-/** `reach` is how far it goes out of its way, at most, to turn around. */
+/** `reach` limits the detour that the curve takes to turn around. */
 export function curve(
   start: RouteEnd,
   goal: RouteEnd,
@@ -30,7 +30,7 @@ function bent(start: RouteEnd, goal: RouteEnd, reach: number): readonly Point[] 
   );
 }
 
-/** The point that draws the curve out of a port: not so far if the other end is behind. */
+/** Control point outside a port: half the distance ahead, or up to `reach` if the other end is behind the port. */
 function led({ at, out }: RouteEnd, other: Point, reach: number): Point {
   const ahead = (other.x - at.x) * out.x + (other.y - at.y) * out.y;
   const pull = ahead > 0 ? Math.max(ahead * 0.5, reach * 0.5) : reach;

@@ -1,4 +1,4 @@
-/** Elements in words, for those who hear the page: "Scan, execution state, 2 outcomes, leads to Search". */
+/** Descriptions of elements for screen readers: "Scan, execution state, 2 outcomes, leads to Search". */
 
 import type { ElementRef } from "../model/element.ts";
 import { connectionInWords, isConnection, isPort, nameOf, transitionEnds } from "../model/ends.ts";
@@ -8,20 +8,20 @@ import { idOf, parentOf } from "../model/path.ts";
 import { KIND_WORDS } from "../plan/legal.ts";
 import type { MarkPhase, RunMark } from "../store/run/marks.ts";
 
-/** What is said of a state beside what it is. */
+/** Signs of a state that its description includes. */
 export interface Signs {
-  /** What it does in the run. */
+  /** Activity of the state in the run. */
   readonly run?: RunMark | undefined;
   readonly breakpoint?: "on" | "off" | undefined;
 }
 
-/** What is said of an element; of a state also the signs that stand at it. */
+/** Description of an element. `signs` applies to states only. */
 export function described(machine: Machine, element: ElementRef, signs: Signs = {}): string {
   const words = inWords(machine, element, signs);
   return words.length > WORDS_MAX ? `${words.slice(0, WORDS_MAX)}…` : words;
 }
 
-/** Letters that anybody listens to. */
+/** Maximum length of a description, in characters. */
 const WORDS_MAX = 2_000;
 
 function inWords(machine: Machine, element: ElementRef, signs: Signs): string {
@@ -61,10 +61,11 @@ function stateInWords(
   return parts.filter((part) => part !== "").join(", ");
 }
 
-/** What a state comes to by itself and somebody may want to know at once. */
+/** Phases that start without a user action and may need attention at once. */
 const URGENT: ReadonlySet<MarkPhase> = new Set(["waiting", "held", "next", "failed"]);
 
-/** What is said of a state while it is selected and the run goes on: "Scan waits for an answer". Empty: nothing. */
+/** Announcement for a state that is selected while the run is active: "Scan waits for an answer". Empty if there is no reason for
+ * one. */
 export function urgentWords(machine: Machine, path: string, { run }: Signs): string {
   const name = machine.state(path)?.name;
   return name !== undefined && run && URGENT.has(run.phase) ? `${name} ${runInWords(run)}` : "";

@@ -1,5 +1,5 @@
-/** The lines of a container in the making: a little at a time, and upon those that it had. What joins the same ports, with nothing
- * new or gone beside its way, stays as it was. */
+/** Incremental routing of the lines of a container, based on its previous lines. A line that joins the previous ports stays
+ * unless something was added or removed beside it. */
 
 import { type Box, boundsOf, type Point } from "../model/geometry.ts";
 import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
@@ -20,9 +20,9 @@ import { nearFirst, routed } from "./route.ts";
 import { paceOf, RoutingLanes } from "./routing_lanes.ts";
 
 export class EdgeRouting {
-  /** Lines that are found by now, and in the end all in the machine's order. */
+  /** Lines found until now; after the last step all lines, in the machine's order. */
   known: readonly RoutedLine[] = [];
-  /** Whether in the end the same ports are joined as before. */
+  /** True if the finished lines join exactly the ports that they joined before. */
   hasSameEnds = false;
   readonly #work: Iterator<undefined, void>;
 
@@ -30,7 +30,7 @@ export class EdgeRouting {
     this.#work = this.#wire(container, before && new PreviousLines(before, container));
   }
 
-  /** Goes on as long as it may; whether all is done. */
+  /** Continues while `mayGoOn` allows it; returns true when all lines are found. */
   goOn(mayGoOn: () => boolean): boolean {
     while (mayGoOn()) if (this.#work.next().done) return true;
     return false;
@@ -60,7 +60,7 @@ export class EdgeRouting {
     yield* this.#route(all, open, container);
   }
 
-  /** Finds ways for the open ones. */
+  /** Routes the transitions that are still open. */
   *#route(
     all: (RoutedLine | null)[],
     open: readonly Open[],
@@ -82,12 +82,12 @@ export class EdgeRouting {
   }
 }
 
-/** A transition that has no way yet, and which of the lines it is. */
+/** A transition without a route, and its index in the list of lines. */
 interface Open extends Joined {
   readonly index: number;
 }
 
-/** With its way, if that is known or quickly found. */
+/** Line with its previous route, or with the curve of a data flow; null for a transition that needs a search. */
 function wayOf(
   found: Joined,
   before: RoutedLine | undefined,
@@ -99,20 +99,20 @@ function wayOf(
   return { ...found, ...curve(found.start, found.goal, found.by, reach) };
 }
 
-/** How far beside a way something may have stood that it was led around, and how near something new may come to it. */
+/** Distance, in paces, at which an old box may have caused a detour, and at which a new box affects a route. */
 const LED_AROUND = 2.3;
 const NEAR = 0.5;
 
-/** The lines that were there before, and what is no longer as it was. */
+/** Previous lines of a container, and the boxes that changed since then. */
 class PreviousLines {
   readonly lines: readonly RoutedLine[];
-  /** What is to be joined, if that is the same as before. */
+  /** Previous lines as the list of connections to draw, if the connections are unchanged. */
   readonly sources: readonly RoutedSource[] | null;
   readonly #container: LayoutNode;
   readonly #sameLayout: boolean;
-  /** States whose ports are not where they were. */
+  /** States with a changed position, size or set of ports. */
   readonly #moved = new Set<string>();
-  /** Where something stands now, or no longer. */
+  /** Areas around boxes that were added, moved or removed. */
   readonly #places: Box[] = [];
   #grid: Grid | null = null;
   #bounds: Box | null = null;
@@ -153,7 +153,7 @@ class PreviousLines {
     this.#places.push(wider(is.box, NEAR * pace));
   }
 
-  /** What a connection was before. They are asked for in the machine's order. */
+  /** Previous line of a connection. Fast if called in the machine's order. */
   line({ document }: RoutedSource): RoutedLine | undefined {
     const next = this.lines[this.#next];
     if (next?.document === document) {
@@ -166,7 +166,7 @@ class PreviousLines {
     return found;
   }
 
-  /** Whether nothing about a line is different. */
+  /** True if a line can stay unchanged. */
   stays(line: RoutedLine): boolean {
     if (this.#moved.has(line.fromPath) || this.#moved.has(line.toPath)) return false;
     const { kind, id, by } = line;
@@ -176,7 +176,7 @@ class PreviousLines {
     return this.#isClear(line);
   }
 
-  /** Whether a line leads where it led, although its ends may be called otherwise. */
+  /** True if a line keeps its route. Its ends may have new keys. */
   keepsWay(line: RoutedLine, now: Joined): boolean {
     const ends = samePoints(
       [line.start.at, line.start.out, line.goal.at, line.goal.out],
@@ -185,7 +185,7 @@ class PreviousLines {
     return ends && line.to === now.to && samePoints(line.by, now.by) && this.#isClear(line);
   }
 
-  /** Whether nothing comes or goes beside the way of a transition that looked for it. */
+  /** True if no box changed beside the route of a transition that was routed automatically. */
   #isClear({ kind, by, box, points }: RoutedLine): boolean {
     const grid = this.#grid;
     if (!grid || !this.#bounds || kind === "data_flow" || by.length > 0) return true;
@@ -199,7 +199,7 @@ class PreviousLines {
   }
 }
 
-/** Whether the machine says the same of all connections, and each of them was a line. */
+/** True if the connections are unchanged, and each of them has a line. */
 function isWhole({ state, lines }: LayoutNode, now: LayoutNode): boolean {
   const [transitions, flows] = [transitionsOf(state), dataFlowsOf(state)];
   return (
@@ -229,7 +229,7 @@ function samePorts(one: LayoutNode, other: LayoutNode): boolean {
   return one.ports === other.ports || (sameSize(one, other) && samePlaces(one.ports, other.ports));
 }
 
-/** The side of a border that a port is on depends on it. */
+/** Compared because the side that a port is on depends on the size. */
 function sameSize(one: LayoutNode, other: LayoutNode): boolean {
   return one.size.width === other.size.width && one.size.height === other.size.height;
 }

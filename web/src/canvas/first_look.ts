@@ -1,4 +1,4 @@
-/** Where the camera is when a machine is opened: where it was last in this browser tab, or with the whole machine in view. */
+/** Camera of a machine that is opened: its last position in this browser tab, or a view of the whole machine. */
 
 import type { Box, Size } from "../model/geometry.ts";
 import { kept, localStoreOf } from "../store/local_store.ts";
@@ -8,11 +8,11 @@ import { screenBox } from "./camera.ts";
 import type { InteractionController } from "./interaction.ts";
 import { filling } from "./looks.ts";
 
-/** What this tab of the browser keeps over reloads. */
+/** Store of this browser tab, which survives reloads. */
 const TAB_STORE = localStoreOf(() => window.sessionStorage);
 
-/** Sets the camera as soon as the place has a size, keeps the middle of the view or the whole machine in it when that changes, and
- * remembers the camera when the page is left. Returns the way to stop. */
+/** Sets the camera as soon as the canvas has a size. After a resize the center of the view, or the whole machine, stays visible.
+ * Stores the camera when the page is left. Returns a function that stops all this. */
 export function firstLook(
   root: HTMLElement,
   tab: OpenTab,
@@ -50,7 +50,7 @@ function lookAtMachine(machine: Box | null, size: Size): Camera | null {
   return machine && filling([machine], size);
 }
 
-/** The camera for a view of another size: with the same in the middle; with the whole machine if that was in sight. */
+/** Camera after a resize: it keeps the center, or fits the whole machine if that was fitted before. */
 export function resized(camera: Camera, machine: Box | null, before: Size, after: Size): Camera {
   if (before.width === after.width && before.height === after.height) return camera;
   const fitted = lookAtMachine(machine, before);
@@ -69,7 +69,7 @@ function isSame(one: Camera, other: Camera): boolean {
   return off < 1 && Math.abs(one.scale / other.scale - 1) < 1e-3;
 }
 
-/** Whether all of a box is in the view. */
+/** True if the whole box is in the view. */
 function isWhole(box: Box, camera: Camera, size: Size): boolean {
   const on = screenBox(camera, box);
   return on.x >= 0 && on.y >= 0 && on.x + on.width <= size.width && on.y + on.height <= size.height;

@@ -1,15 +1,15 @@
-/** Moves the camera from where it is to where it is wanted, in a while, or at once for those who want no motion. */
+/** Moves the camera to a goal: as an animation, or at once for users who prefer reduced motion. */
 
 import type { Signal } from "@preact/signals-core";
 import type { Camera } from "../store/page/view.ts";
 import { flight } from "./camera.ts";
 
-/** What asks for frames: the window, and in tests a few lines. */
+/** Source of animation frames: the window, or a stub in tests. */
 export interface Frames {
   readonly now: () => number;
   readonly request: (frame: () => void) => number;
   readonly drop: (request: number) => void;
-  /** Whether the user wants things not to move. */
+  /** True if the user prefers reduced motion. */
   readonly prefersReducedMotion: () => boolean;
 }
 
@@ -26,7 +26,7 @@ export class Flight {
     this.#frames = frames;
   }
 
-  /** Where the camera will be; where it is if it does not fly. */
+  /** Camera at the end of the flight; the current camera if there is none. */
   get goal(): Camera {
     return this.#goal ?? this.#camera.peek();
   }
@@ -42,7 +42,7 @@ export class Flight {
     this.#step(this.#camera.peek(), goal, this.#frames.now());
   }
 
-  /** Leaves the camera where it is. */
+  /** Stops the flight. The camera keeps its current position. */
   stop(): void {
     if (this.#request !== null) this.#frames.drop(this.#request);
     this.#request = null;
@@ -57,7 +57,7 @@ export class Flight {
   }
 }
 
-/** Frames of the window. */
+/** Animation frames of the window. */
 export const WINDOW_FRAMES: Frames = {
   now: () => performance.now(),
   request: (frame) => requestAnimationFrame(frame),

@@ -1,5 +1,5 @@
-/** The camera goes along with what runs: not at each change, only when it leaves the view or becomes too small to be read. Whoever
- * moves the camera takes it over. */
+/** Moves the camera along with the active states: only when one leaves the view or becomes too small to read. Following ends when
+ * the user moves the camera. */
 
 import { effect } from "@preact/signals-core";
 import type { Box, Size } from "../model/geometry.ts";
@@ -14,19 +14,19 @@ import type { Layout } from "./layout.ts";
 import { filling } from "./looks.ts";
 import type { CanvasPicture } from "./picture.ts";
 
-/** What runs is to be seen in this size, in CSS pixels, and no smaller than this. */
+/** Preferred and smallest size of an active state, in CSS pixels. */
 const GOOD = 56;
 const LEAST = 26;
-/** So many pixels may be out of sight. */
+/** Pixels of a state that may be outside the view. */
 const SLACK = 1;
-/** The camera goes closer if that makes things so many times larger: what moves all the time is not looked at. */
+/** Smallest gain in scale that justifies a flight. A camera that moves all the time is hard to follow. */
 const LARGER = 1.5;
-/** So long the camera rests between two flights, however much happens. */
+/** Shortest pause between two flights, in ms. */
 const REST_MS = 900;
-/** It looks again so soon after its place became larger or smaller. */
+/** Delay between a resize of the canvas and the next check, in ms. */
 const RESIZED_MS = 150;
 
-/** Where to look so that all these places can be seen: at what is around them all, or closer if they would be too small. */
+/** Camera that shows all these states: with the container around them, or closer if they would be too small. */
 export function lookAtAll(layout: Layout, paths: readonly string[], size: Size): Camera | null {
   const shown = paths.flatMap((path) => innermost(layout, path) ?? []);
   const boxes = shown.map(({ box }) => box);
@@ -38,12 +38,12 @@ export function lookAtAll(layout: Layout, paths: readonly string[], size: Size):
   return close && wide && close.scale < wide.scale * LARGER ? wide : close;
 }
 
-/** Half of itself on each side. */
+/** Box with a margin of half its size on each side. */
 function withRoom({ x, y, width, height }: Box): Box {
   return { x: x - width / 2, y: y - height / 2, width: 2 * width, height: 2 * height };
 }
 
-/** Where to go if a place is out of sight, or too small while it could be much larger; null if the camera is fine. */
+/** Camera for states that are out of sight, or too small while a closer view would help; null if the camera can stay. */
 export function findAgain(
   layout: Layout,
   paths: readonly string[],
@@ -59,7 +59,7 @@ export function findAgain(
   return isWorthIt ? wanted : null;
 }
 
-/** Whether all of a box is in the view; of one that is larger than the view, its middle. */
+/** True if the whole box is in the view. A box larger than the view needs only its center there. */
 function isInSight(box: Box, camera: Camera, size: Size): boolean {
   const on = screenBox(camera, box);
   const across = isWithin(on.x, on.width, size.width);
@@ -72,7 +72,7 @@ function isWithin(start: number, length: number, whole: number): boolean {
   return start >= -SLACK && start + length <= whole + SLACK;
 }
 
-/** The state, or the innermost one around it that is shown. */
+/** The state, or the innermost visible state around it. */
 function innermost(layout: Layout, path: string): { path: string; box: Box } | null {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
     const box = layout.box(at);
@@ -81,7 +81,7 @@ function innermost(layout: Layout, path: string): { path: string; box: Box } | n
   return null;
 }
 
-/** Follows while it is asked to. Returns the way to stop. */
+/** Moves the camera while `follows` is on. Returns a function that stops it. */
 export function followRun(
   { view, run }: OpenTab,
   page: Pick<Page, "tell">,

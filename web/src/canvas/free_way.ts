@@ -1,13 +1,13 @@
-/** The search for a way around states, where none of the usual shapes of a line is free: over a grid of columns and rows beside the
- * states near its ends. */
+/** Search for a route around states, used if every simple shape of a line crosses a state. The grid has columns and rows beside
+ * the states near the ends. */
 
 import type { Box, Point } from "../model/geometry.ts";
 import type { RouteRequest } from "./route.ts";
 import type { RoutingLanes } from "./routing_lanes.ts";
 
-/** States beside which columns and rows lead. */
+/** Maximum number of states that add columns and rows to the grid. */
 const BOXES_MAX = 48;
-/** Points of the grid that a search visits. */
+/** Maximum number of grid points that a search visits. */
 const VISITS_MAX = 20_000;
 /** Cost of a bend, in paces. */
 const BEND = 1.5;
@@ -28,14 +28,14 @@ export function freeWay(line: RouteRequest, lanes: RoutingLanes): readonly Point
 
 interface SearchStep {
   readonly state: number;
-  /** State of the search before it; -1: the start. */
+  /** Index of the previous search state; -1 at the start. */
   readonly before: number;
   readonly cost: number;
-  /** Cost with the least that is left to the goal. */
+  /** Cost until here plus the lowest possible cost to the goal. */
   readonly total: number;
 }
 
-/** A* over points of the grid and the direction of arrival there. */
+/** A* over grid points and arrival directions. */
 class WaySearch {
   readonly #line: RouteRequest;
   readonly #lanes: RoutingLanes;
@@ -71,7 +71,7 @@ class WaySearch {
     return null;
   }
 
-  /** The line leaves its port straight, and never turns back. */
+  /** The line leaves its port straight, and never reverses. */
   #spread({ state, cost }: SearchStep, isFirst: boolean): void {
     const direction = state & 3;
     for (const turn of isFirst ? [0] : [0, 1, 3]) {
@@ -114,7 +114,7 @@ class WaySearch {
     return { x: this.#columns[column] ?? 0, y: this.#rows[row] ?? 0 };
   }
 
-  /** The points at which the direction changes, and the ends. */
+  /** Both ends, and the points at which the direction changes. */
   #corners(last: number): readonly Point[] {
     const points = [this.#point(last)];
     for (let state = last; ; ) {
@@ -130,7 +130,7 @@ function directionOf(out: Point): number {
   return DIRECTIONS.findIndex(({ x, y }) => x === out.x && y === out.y) & 3;
 }
 
-/** Coordinates beside and between those of the borders, and some more, in rising order. */
+/** Sorted coordinates beside and between the borders, and the additional ones. */
 function between(
   borders: readonly number[],
   length: number,
@@ -148,7 +148,7 @@ function between(
   return [...new Set(found)].sort((one, other) => one - other);
 }
 
-/** A binary heap: the visit with the least total comes first. */
+/** Binary heap with the lowest total first. */
 class Queue {
   readonly #heap: SearchStep[] = [];
 

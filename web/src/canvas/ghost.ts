@@ -1,4 +1,4 @@
-/** A machine that is offered, drawn where it would stand: its marks are those of any machine, pale and dashed, above all others. */
+/** Preview of a proposed machine at its future position. Its marks are drawn above all others, pale and dashed. */
 
 import { elementOf } from "../model/element.ts";
 import type { Box } from "../model/geometry.ts";
@@ -10,19 +10,19 @@ import { PLAIN, type SceneInput } from "./scene/input.ts";
 import type { BoxMark, DrawList, Layer } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
-/** How much of the strength of others its marks have. */
+/** Opacity of its marks, relative to those of the machine. */
 const PALE = 0.85;
 
 interface GhostPlace {
   readonly layout: LayoutTree;
-  /** Its root in the coordinates of the shown machine's root. */
+  /** Position of its root, in the coordinates of the shown machine's root. */
   readonly x: number;
   readonly y: number;
-  /** Units of the shown machine's root for one inside. */
+  /** Units of the shown machine's root per unit of the preview. */
   readonly unit: number;
 }
 
-/** Where it stands; null if its container is not to be seen. */
+/** Position and layout of the preview; null if its container is not visible. */
 function placeOf(
   shown: LayoutTree,
   { container, machine }: GhostMachine,
@@ -45,7 +45,7 @@ function placeOf(
 
 const NOTHING_OPEN: ReadonlyMap<string, boolean> = new Map();
 
-/** A state of it in the coordinates of the shown machine's root. */
+/** Box of a state of the preview, in the coordinates of the shown machine's root. */
 export function ghostBox(shown: LayoutTree, ghost: GhostMachine, path: string): Box | undefined {
   const place = placeOf(shown, ghost, { modes: GHOST_MODES, contents: NOTHING_OPEN });
   const box = place?.layout.box(path);
@@ -68,7 +68,7 @@ const GHOST_MODES: SceneInput["modes"] = {
   grid: false,
 };
 
-/** Its marks in a picture of the machine that it is offered for. */
+/** Layers of the preview in the picture of the shown machine. */
 export function ghostLayers(
   input: SceneInput,
   ghost: GhostMachine,
@@ -102,14 +102,14 @@ function pale(layer: Layer): Layer {
     specks: layer.specks.map(soft),
     boxes: layer.boxes.map(dashed),
     lines: layer.lines.map((mark) => ({ ...soft(mark), dash: true })),
-    // Nobody can take hold of it.
+    // The preview cannot be edited.
     dots: layer.dots.filter(({ shape }) => shape !== "handle").map(soft),
     icons: layer.icons.map(soft),
     texts: layer.texts.map(soft),
   };
 }
 
-/** The box of a state is dashed and tinted; its other boxes are pale. */
+/** Boxes of states become dashed and tinted; other boxes become pale. */
 function dashed(mark: BoxMark): BoxMark {
   const isState = elementOf(mark.what)?.kind === "state";
   const tinted = isState && mark.stroke !== null ? { dash: true, stroke: "selection" } : {};

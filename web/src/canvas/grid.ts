@@ -1,29 +1,29 @@
-/** Boxes by where they are: finds those in an area without a look at all of them. */
+/** Spatial index of boxes: finds the boxes in an area without a scan of all. */
 
 import { type Box, boundsOf } from "../model/geometry.ts";
 
-/** Fewer are looked at one by one. */
+/** Up to this many boxes are scanned one by one. */
 const FEW = 48;
 const PER_CELL = 4;
-/** A box in more cells than these is looked at always. */
+/** A box in more cells than this is checked on every query. */
 const WIDE = 64;
 
-/** So many boxes may be elsewhere until all are put into cells again. */
+/** Number of moved boxes after which a grid is filled anew. */
 const LOOSE = 96;
 
 export class Grid {
   readonly boxes: readonly Box[];
   #cells: number[][] = [];
-  /** Looked at always: boxes in many cells, and those that are not where they were when the cells were filled. */
+  /** Boxes that every query checks: those in many cells, and those that moved after the cells were filled. */
   #wide: number[] = [];
-  /** How many of these there were when the cells were filled. */
+  /** Length of `#wide` when the cells were filled. */
   #fixed = 0;
   readonly #seen: Uint32Array;
   #round = 0;
   #bounds: Box = { x: 0, y: 0, width: 0, height: 0 };
   #side = 0;
 
-  /** `before` is a grid that may know most of the boxes already, as the same objects at the same indices. */
+  /** `before` is a previous grid. Its cells are reused if most boxes are unchanged: identical objects at identical indices. */
   constructor(boxes: readonly Box[], before: Grid | null = null) {
     this.boxes = boxes;
     this.#seen = new Uint32Array(boxes.length > FEW ? boxes.length : 0);
@@ -44,7 +44,7 @@ export class Grid {
     return true;
   }
 
-  /** Tells the index of every box that the area touches, in rising order. */
+  /** Calls back with the index of every box that touches the area, in rising order. */
   each(area: Box, tell: (index: number) => void): void {
     if (this.#side === 0) {
       for (let index = 0; index < this.boxes.length; index++) {
@@ -69,7 +69,7 @@ export class Grid {
     return found.sort((one, other) => one - other);
   }
 
-  /** What a cell has that no other cell had before. */
+  /** Adds the boxes of a cell that were not found in an earlier cell. */
   #gather(cell: readonly number[] | undefined, area: Box, found: number[]): void {
     for (const index of cell ?? []) {
       if (this.#seen[index] === this.#round) continue;
@@ -105,7 +105,7 @@ export class Grid {
     this.#fixed = this.#wide.length;
   }
 
-  /** The first and last cell of a stretch. */
+  /** First and last cell of a range of coordinates. */
   #range(at: number, length: number, start: number, whole: number): readonly [number, number] {
     const cell = (where: number) =>
       Math.min(
@@ -116,7 +116,7 @@ export class Grid {
   }
 }
 
-/** Also boxes without a width or height, as straight lines have them. */
+/** Also true for boxes without a width or height, such as straight lines. */
 export function touches(one: Box, other: Box): boolean {
   return (
     one.x <= other.x + other.width &&

@@ -1,15 +1,15 @@
-/** Finds the ways of lines that will be needed soon, while the browser has nothing else to do. */
+/** Routes lines that will soon be visible while the browser is idle. */
 
 import type { LayoutNode } from "./layout_node.ts";
 
-/** Less time than this is left to others. */
+/** Idle time that is left to other tasks, in ms. */
 const LEAST_MS = 6;
 
 export class IdleRouter {
   #open: LayoutNode[] = [];
   #asked = 0;
 
-  /** These will be needed next, and no others. */
+  /** Replaces the list of states whose lines are routed ahead. */
   look(states: readonly LayoutNode[]): void {
     this.#open = [...states];
     if (this.#open.length > 0 && this.#asked === 0) this.#ask();

@@ -1,5 +1,5 @@
-/** The interaction controller of the canvas: what pointer, wheel and keys do to one open machine, without a document. It holds the gesture that
- * is under way, shows what would come of it, and sends the edit when it is complete. */
+/** Interaction controller of the canvas: applies pointer, wheel and keys to one open machine, without access to the document. It
+ * holds the current gesture, shows a preview of its result, and sends the edit when the gesture is complete. */
 
 import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals-core";
 import { type ElementRef, keyOf } from "../model/element.ts";
@@ -36,32 +36,32 @@ import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
 import { stageOf } from "./tools/stage.ts";
 
-/** What the controller needs of its surroundings. */
+/** Services that the controller needs from the canvas and the page. */
 export interface InteractionHost {
   readonly tab: OpenTab;
   readonly size: () => Size;
-  /** What the wheel does without a key. */
+  /** Action of the wheel without a modifier key. */
   readonly wheel: () => "zoom" | "pan";
-  /** Moves the camera there, at once or in a while. */
+  /** Moves the camera, at once or as an animation. */
   readonly fly: (to: Camera) => void;
-  /** Where the camera flies to; where it is if it does not fly. */
+  /** Goal of the camera's flight; the current camera without a flight. */
   readonly heading: () => Camera;
   readonly run: (command: string, argument?: unknown) => void;
-  /** Why nothing may be edited here; null if it may be. */
+  /** Reason why editing is not allowed here; null if it is. */
   readonly whyFixed: () => string | null;
-  /** Says why something cannot be done. */
+  /** Shows the reason why an action is impossible. */
   readonly refuse: (reason: string) => void;
   readonly rename: (path: string) => void;
 }
 
-/** Small steps of states that are not made yet, in the coordinates of their container. */
+/** Steps of states by keyboard that were not applied yet, in the coordinates of their container. */
 interface Nudging {
   readonly paths: readonly string[];
   readonly by: Point;
   readonly timer: ReturnType<typeof setTimeout>;
 }
 
-/** Steps that follow each other within so long are one. */
+/** Longest pause between steps that become one edit, in ms. */
 const NUDGED_MS = 500;
 
 interface Touch {
@@ -69,7 +69,7 @@ interface Touch {
   readonly at: Point;
 }
 
-/** Gestures that edit nothing. */
+/** Gestures that do not edit. */
 const HARMLESS: ReadonlySet<string> = new Set(["press", "pan", "band"]);
 
 const MOUSE_TOLERANCE = 8;
@@ -78,7 +78,7 @@ const TOUCH_TOLERANCE = 16;
 export class InteractionController {
   readonly overlay: Signal<Overlay> = signal(NO_OVERLAY);
   readonly cursor: Signal<string> = signal("default");
-  /** The innermost state that fills the view: what one works in. */
+  /** The innermost state that fills the view. The user works in it. */
   readonly stage: ReadonlySignal<string>;
   readonly #host: InteractionHost;
   #gesture: Gesture | null = null;
@@ -97,12 +97,12 @@ export class InteractionController {
     });
   }
 
-  /** The name of the gesture that is under way. */
+  /** Name of the current gesture. */
   get doing(): string | null {
     return this.#gesture?.name ?? null;
   }
 
-  /** Moves states a little; a series of such steps is one edit, made when it ends. */
+  /** Moves states a little. A series of steps becomes one edit when it ends. */
   nudge(paths: readonly string[], by: Point): void {
     const before = this.#nudging;
     const isSame = before?.paths.join() === paths.join();
@@ -121,7 +121,7 @@ export class InteractionController {
     this.#nudging = { paths, by: total, timer };
   }
 
-  /** Makes what is still to be made of a series of small steps. */
+  /** Applies the pending series of small steps. */
   flush(): void {
     const nudging = this.#nudging;
     if (!nudging) return;
@@ -131,7 +131,7 @@ export class InteractionController {
     this.apply(movePlan(this.#host.tab.session.machine, nudging.paths, nudging.by));
   }
 
-  /** Where everything is without the gesture. */
+  /** Layout without the current gesture. */
   layout(): LayoutTree {
     const { session, view } = this.#host.tab;
     const [modes, contents] = [view.modes.peek(), view.contents.peek()];
@@ -154,13 +154,13 @@ export class InteractionController {
     };
   }
 
-  /** What is under a point of the view. */
+  /** The element under a point of the view. */
   at(point: Point, tolerance: number = MOUSE_TOLERANCE): CanvasHit | null {
     const { machine, layout, look, camera } = this.toolContext();
     return hitAt(layout, machine, look, camera, point, tolerance);
   }
 
-  /** The button, or a finger, goes down. */
+  /** Handles a press of the button or of a finger. */
   press(press: Press, how: { readonly pans: boolean; readonly finger?: number }): void {
     this.flush();
     this.#pointer = press;
@@ -177,7 +177,7 @@ export class InteractionController {
     this.#become(pressing(hit, press, this.toolContext()));
   }
 
-  /** The second finger ends what the first began: both zoom. */
+  /** A second finger cancels the gesture of the first. Both fingers zoom. */
   #fingerDown(id: number, at: Point): boolean {
     this.#touches = [...this.#touches.filter((touch) => touch.id !== id), { id, at }];
     const [one, other] = this.#touches;
@@ -220,7 +220,7 @@ export class InteractionController {
     this.hover(pointer);
   }
 
-  /** The pointer is over the canvas, and no button is held. */
+  /** Handles a pointer movement over the canvas without a button. */
   hover(point: Point): void {
     const hit = this.at(point);
     const { hovered } = this.#host.tab.view;
@@ -230,7 +230,7 @@ export class InteractionController {
     this.cursor.value = cursorAt(hit);
   }
 
-  /** The pointer has left the canvas. */
+  /** Handles a pointer that leaves the canvas. */
   leave(): void {
     if (this.#gesture) return;
     this.#pointer = null;
@@ -246,7 +246,7 @@ export class InteractionController {
     else if (hit.on === "state" || hit.on === "name" || hit.on === "grip") this.drill(path);
   }
 
-  /** Goes to a state so that it fills the view; a library shows what is inside. */
+  /** Zooms to a state until it fills the view, and opens a closed library. */
   drill(path: string): void {
     const { session, view } = this.#host.tab;
     const isClosed = this.layout().children(path).length === 0;
@@ -257,7 +257,7 @@ export class InteractionController {
     this.fit([path]);
   }
 
-  /** Whether a name is not in the way of what one would drill into: that of a closed container fills it. */
+  /** True if the name does not cover the content. The name of a closed container fills it, and a double click there must open it. */
   #isOnlyName(path: string): boolean {
     const state = this.#host.tab.session.machine.state(path);
     const box = this.layout().box(path);
@@ -275,7 +275,7 @@ export class InteractionController {
     } else this.hover(at);
   }
 
-  /** Something is held over the canvas by the browser's own drag and drop. */
+  /** Handles an object that the browser drags over the canvas. */
   bring(dragged: Dragged, pointer: Pointer): void {
     this.#pointer = pointer;
     this.#become(bringing(dragged, pointer, this.toolContext()));
@@ -285,7 +285,7 @@ export class InteractionController {
     if (this.#gesture) this.#complete(this.#gesture);
   }
 
-  /** Ends what is under way without a change; false if nothing was. */
+  /** Cancels the current gesture; false if there was none. */
   cancel(): boolean {
     this.flush();
     if (!this.#gesture) return false;
@@ -293,13 +293,13 @@ export class InteractionController {
     return true;
   }
 
-  /** A key was pressed; false if the canvas has no use for it. */
+  /** Handles a key; false if the canvas does not use it. */
   key(key: KeyPress): boolean {
     if (!isNudge(key)) this.flush();
     return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#host, key);
   }
 
-  /** Shift, Ctrl or Alt went down or up while the pointer rests. */
+  /** Handles a change of Shift, Ctrl or Alt while the pointer does not move. */
   modifiers(keys: Omit<KeyPress, "key">): void {
     if (!this.#gesture || !this.#pointer || this.#gesture.isSticky) return;
     const { x, y } = this.#pointer;
@@ -323,7 +323,7 @@ export class InteractionController {
     return true;
   }
 
-  /** Begins to change the name of a state, in place; brings it into sight if it is not. */
+  /** Opens the field that renames a state in place, and scrolls the state into view. */
   rename(path: string): void {
     const { session, view } = this.#host.tab;
     const [state, box] = [session.machine.state(path), this.layout().box(path)];
@@ -347,7 +347,7 @@ export class InteractionController {
     return stageOf({ ...this.toolContext(), camera });
   }
 
-  /** Begins a connection at what is selected, by keyboard. */
+  /** Starts a connection at the selected element, by keyboard. */
   connect(): void {
     const [from] = selected(this.#host.tab.view);
     const port = from && firstPort(this.#host.tab.session.machine, from);
@@ -361,7 +361,7 @@ export class InteractionController {
     this.#become(connecting(port, null, this.toolContext(), true));
   }
 
-  /** Flies so that these states, or the root, fill the view. */
+  /** Flies until these states, or the root, fill the view. */
   fit(paths: readonly string[]): void {
     const { machine } = this.#host.tab.session;
     const wanted = paths.length === 0 ? [machine.root] : paths;
@@ -378,7 +378,7 @@ export class InteractionController {
     if (camera !== view.camera.peek()) this.#host.fly(camera);
   }
 
-  /** Flies to the machine that is offered, or so far that a state of it can be read. */
+  /** Flies to the whole proposed machine, or until one of its states is readable. */
   revealGhost(path?: string): void {
     const { view } = this.#host.tab;
     const ghost = view.ghost.peek();
@@ -390,7 +390,7 @@ export class InteractionController {
     if (camera) this.#host.fly(camera);
   }
 
-  /** Where an element is to be seen: ports with their state, connections as they are drawn. */
+  /** Box of an element on the canvas. A port has the box of its state, a connection the bounds of its route. */
   #shown(element: ElementRef): Box | null {
     const layout = this.layout();
     if (element.kind === "transition" || element.kind === "data_flow") {
@@ -406,7 +406,7 @@ export class InteractionController {
     this.#host.fly(zoomedAt(camera.peek(), { x: width / 2, y: height / 2 }, factor));
   }
 
-  /** The container under the pointer, and where in it; null if the pointer is not over the canvas. */
+  /** Container under the pointer, and the position in it; null if the pointer is not over the canvas. */
   pointer(): { readonly path: string; readonly at: Point } | null {
     if (!this.#pointer) return null;
     const { machine, layout, camera } = this.toolContext();
@@ -430,7 +430,7 @@ export class InteractionController {
     this.cursor.value = gesture.cursor;
   }
 
-  /** The gesture; where nothing may be edited, one that would edit shows why not instead of what would come of it. */
+  /** Returns the gesture. If editing is not allowed, a gesture that would edit shows the reason instead of a preview. */
   #allowed(gesture: Gesture): Gesture {
     const why = HARMLESS.has(gesture.name) ? null : this.#host.whyFixed();
     if (why === null) return gesture;
@@ -464,7 +464,7 @@ export class InteractionController {
     if (result.plan) this.apply(result.plan);
   }
 
-  /** Sends what is planned. What comes of it is selected as soon as it shows. */
+  /** Sends the plan, and selects its result as soon as it is visible. */
   apply(plan: Planned): void {
     const why = this.#host.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
     if (why !== null || isRefused(plan)) {

@@ -1,4 +1,4 @@
-/** What keys do on the canvas while no gesture is under way: along the graph, into states and out of them, a step aside. */
+/** Keys on the canvas without an active gesture: they walk along the graph, enter and leave states, and move the selection. */
 
 import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
@@ -9,7 +9,7 @@ import { filling } from "./looks.ts";
 import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
-/** A key that was pressed, by the name that browsers give it. */
+/** A pressed key, with its name as in `KeyboardEvent.key`. */
 export interface KeyPress {
   readonly key: string;
   readonly shift: boolean;
@@ -26,13 +26,13 @@ const ARROWS: Readonly<
   ArrowUp: { direction: "out", by: { x: 0, y: -1 } },
 };
 
-/** Whether the key is a step of what is selected, or held for one. */
+/** True if the key moves the selection by a step, or is a modifier for that. */
 export function isNudge({ key, ctrl, alt, shift }: KeyPress): boolean {
   if (key === "Control" || key === "Alt" || key === "Meta") return true;
   return ARROWS[key] !== undefined && (ctrl || alt) && !shift;
 }
 
-/** Does what the key is for; false if the canvas has no use for it. */
+/** Runs the action of the key; false if the canvas does not use it. */
 export function keyed(
   controller: InteractionController,
   host: InteractionHost,
@@ -47,7 +47,7 @@ export function keyed(
   return walk(controller, host, arrow.direction);
 }
 
-/** First the selection goes, then one is one level farther out. */
+/** Clears the selection, or else goes one level out. */
 function leaveLevel(controller: InteractionController, host: InteractionHost): boolean {
   const { view } = host.tab;
   if (view.selection.peek().size > 0) {
@@ -60,7 +60,8 @@ function leaveLevel(controller: InteractionController, host: InteractionHost): b
   return true;
 }
 
-/** The nearest state around where one is that is seen from farther away: a library and its content fill the same room. */
+/** Nearest outer state with a smaller scale of the camera. A library and its content fill one area, so a step between them would
+ * not be visible. */
 function farther(controller: InteractionController, host: InteractionHost): string | null {
   const camera = host.heading();
   let outer = parentOf(filledBy({ ...controller.toolContext(), camera }));
@@ -95,7 +96,7 @@ function portStep(
   return true;
 }
 
-/** Selects what follows in a direction, and brings it into sight. */
+/** Selects the next element in a direction, and scrolls it into view. */
 function walk(
   controller: InteractionController,
   { tab }: InteractionHost,
@@ -114,7 +115,7 @@ function walk(
   return true;
 }
 
-/** Moves the selected states by a step, with Alt by a tenth of it. */
+/** Moves the selected states by one step; with Alt by a tenth of a step. */
 function nudge(
   controller: InteractionController,
   { tab }: InteractionHost,

@@ -1,5 +1,5 @@
-/** The states of a machine as boxes inside boxes, each in the coordinates of its container: what `Layout` and `scene` walk.
- * A tree is never changed. A machine that changed, or a gesture over it, gets a tree that shares all that stayed the same. */
+/** Tree of the states of a machine as nested boxes, each in the coordinates of its container. `Layout` and `scene` walk it. A
+ * tree is immutable. After a change of the machine, or during a gesture, a new tree shares all unchanged nodes with the old one. */
 
 import { childBoxesOf } from "../model/default_places.ts";
 import { stateKey } from "../model/element.ts";
@@ -18,32 +18,32 @@ import { EdgeRouting } from "./edge_routing.ts";
 import { Grid, same, touches } from "./grid.ts";
 import type { RoutedLine } from "./lines.ts";
 
-/** What a tree is made from: as it is now, since what lies inside states is found late. */
+/** Input of a tree. Nodes read it late, because their content is computed on demand. */
 export interface LayoutSource {
   readonly machine: Machine;
-  /** Library states whose content is shown or hidden other than the file says. */
+  /** Library states whose content is shown or hidden contrary to the file. */
   contents: ReadonlyMap<string, boolean>;
-  /** States whose content grows along with their boxes, though the machine does not say so. */
+  /** States whose content is scaled with their boxes, though the machine does not contain that. */
   readonly scaled?: ReadonlySet<string>;
 }
 
-/** How much of the shorter side of a library state stays free around its content. */
+/** Margin around the content of a library, as a share of the shorter side of its state. */
 const CONTENT_MARGIN = 0.04;
 
-/** A state in its place. What lies inside it is found when it is asked for. */
+/** A state with its box. Its content is computed on demand. */
 export class LayoutNode {
   readonly path: string;
   readonly key: string;
   readonly state: StateDocument;
-  /** In the coordinates of the container. */
+  /** Box in the coordinates of the container. */
   readonly box: Box;
-  /** So many units of the container is one inside: 1 but for the content of a library. */
+  /** Units of the container per unit inside. It is 1 except for the content of a library. */
   readonly scale: number;
-  /** Whether it is a library state whose content is to be seen. */
+  /** True if this is a library state with visible content. */
   readonly opened: boolean;
   readonly #source: LayoutSource;
   #children: readonly LayoutNode[] | null = null;
-  /** Boxes of all children, if the file does not place one of them. */
+  /** Default boxes of all children, computed if the file does not place one of them. */
   #defaultBoxes: readonly Box[] | null = null;
   #ports: readonly PortPlace[] | null = null;
   #name: Box | null = null;
@@ -54,9 +54,9 @@ export class LayoutNode {
   #gridBefore: Grid | null = null;
   #lineGrid: Grid | null = null;
   #indices: ReadonlyMap<string, number> | null = null;
-  /** What it was, as long as that is of use: to find lines, and to show them until they are found. */
+  /** Previous node, kept until the lines are found: as input of the routing, and to show its lines until then. */
   #before: LayoutNode | null = null;
-  /** What it was before it was stretched, with all that lies inside it. */
+  /** Node before it was scaled, with all its content. */
   #stretched: { readonly from: LayoutNode; readonly by: Point } | null = null;
 
   constructor(source: LayoutSource, path: string, state: StateDocument, box: Box, scale: number) {
@@ -69,7 +69,7 @@ export class LayoutNode {
     this.opened = state.kind === "library" && opens(source, path, state);
   }
 
-  /** Its size in its own coordinates. */
+  /** Size in its own coordinates. */
   get size(): Size {
     return { width: this.box.width / this.scale, height: this.box.height / this.scale };
   }
@@ -90,7 +90,7 @@ export class LayoutNode {
     });
   }
 
-  /** In its own coordinates, as all that follows. */
+  /** Ports in its own coordinates. The members below use these coordinates, too. */
   get ports(): readonly PortPlace[] {
     this.#ports ??= this.#stretched
       ? stretchedPorts(this.#stretched.from.ports, this.#stretched.by)
@@ -110,12 +110,12 @@ export class LayoutNode {
     return this.#lines ?? [];
   }
 
-  /** Whether all lines are known: finding them is the dearest part. */
+  /** True if all lines are known. Finding them is the most expensive part. */
   get hasLines(): boolean {
     return this.#lines !== null;
   }
 
-  /** Goes on finding lines as long as it may; whether all are known now. */
+  /** Continues to find lines while `mayGoOn` allows it; returns true when all are known. */
   wire(mayGoOn: () => boolean): boolean {
     if (this.#lines) return true;
     if (this.#stretched) {
@@ -141,13 +141,13 @@ export class LayoutNode {
     this.#before = null;
   }
 
-  /** Lines that are known by now; those that it had before until it begins to find its own. */
+  /** Node whose lines are shown: this one, or the previous one until its own routing starts. */
   get #shown(): LayoutNode {
     const isOpen = this.#lines || this.#routing;
     return isOpen || !this.#before ? this : this.#before.#shown;
   }
 
-  /** Ports that a transition inside leaves or leads to, as far as lines are known. */
+  /** Ports that a transition inside starts from or leads to, as far as lines are known. */
   get joined(): ReadonlySet<string> {
     if (!this.#lines) return this.#before?.joined ?? NOTHING_JOINED;
     this.#joined ??= new Set(
@@ -156,14 +156,14 @@ export class LayoutNode {
     return this.#joined;
   }
 
-  /** The children by where they are. */
+  /** Spatial index of the children. */
   get childGrid(): Grid {
     this.#childGrid ??= new Grid(boxesOf(this.children), this.#gridBefore);
     this.#gridBefore = null;
     return this.#childGrid;
   }
 
-  /** Tells the children that the area, in its own coordinates, touches. */
+  /** Calls back with the children that touch the area, which is in its own coordinates. */
   eachChild(area: Box, tell: (child: LayoutNode) => void): void {
     this.childGrid.each(area, (index) => {
       const child = this.children[index];
@@ -171,7 +171,7 @@ export class LayoutNode {
     });
   }
 
-  /** Tells the lines whose surroundings the area touches, as far as they are known. */
+  /** Calls back with the known lines whose bounds touch the area. */
   eachLine(area: Box, tell: (line: RoutedLine) => void): void {
     const { lines, grid } = this.#shown.#linesNow();
     if (!grid) {
@@ -191,7 +191,7 @@ export class LayoutNode {
     return { lines, grid: this.#lineGrid };
   }
 
-  /** Box of a child; placed beside the others if the file has no position. */
+  /** Box of a child. A child without a position in the file is placed beside the others. */
   childBox(state: StateDocument, index: number): Box {
     const { position, size } = readLayout(state);
     if (position && size) return { ...position, ...size };
@@ -206,13 +206,13 @@ export class LayoutNode {
     return this.children[this.indexOf(path)];
   }
 
-  /** Which of the children it is; -1: none. */
+  /** Index of a child; -1 if the path is not a child. */
   indexOf(path: string): number {
     this.#indices ??= new Map(this.children.map((child, index) => [child.path, index]));
     return this.#indices.get(path) ?? -1;
   }
 
-  /** Its lines are those of `before` but for what is different now. */
+  /** Uses the lines of `before` as far as they are unchanged. */
   after(before: LayoutNode): this {
     this.#before = before.#routing || before.#lines || before.#stretched ? before : before.#before;
     this.#gridBefore = before.#childGrid;
@@ -220,15 +220,15 @@ export class LayoutNode {
     return this;
   }
 
-  /** The same in another box with all inside it larger or smaller along. */
+  /** Copy of the node in another box, with all its content scaled. */
   stretched(box: Box, by: Point): LayoutNode {
     const made = new LayoutNode(this.#source, this.path, this.state, box, this.scale);
     made.#stretched = { from: this, by };
     return made;
   }
 
-  /** The same after the machine or what is shown of its libraries changed; itself if all stayed. `touched` are the paths of
-   * all states with something different in them, if that is known. */
+  /** Node after a change of the machine or of the visible libraries; itself if nothing changed. `touched` are the paths of all
+   * states with a change inside, if known. */
   renewed(next: Next, touched: ChangedPaths): LayoutNode {
     const { source, state, box, scale } = next;
     const stands = scale === this.scale && same(box, this.box);
@@ -286,7 +286,7 @@ export class LayoutNode {
   }
 }
 
-/** Paths of states with something different in them; null: all may be. */
+/** Paths of states with a change inside; null means that any state may have changed. */
 export type ChangedPaths = ReadonlySet<string> | null;
 
 interface Next {
@@ -299,7 +299,7 @@ interface Next {
 const ALWAYS = () => true;
 const NOTHING_JOINED: ReadonlySet<string> = new Set();
 
-/** The tree of a machine; null if it is empty. `before` is its tree as it was, `touched` what is different since then. */
+/** Tree of a machine; null if the machine is empty. `before` is its previous tree, `touched` are the changes since then. */
 export function treeOf(
   source: LayoutSource,
   before: LayoutNode | null,
@@ -336,7 +336,7 @@ function fresh(
   return new LayoutNode(source, path, state, box, scale);
 }
 
-/** The box of a child, and units of the container for one inside it. */
+/** Box of a child, and units of the container per unit inside the child. */
 function placeIn(
   container: LayoutNode,
   state: StateDocument,
@@ -348,7 +348,7 @@ function placeIn(
   return fitted(rootSize(state), container.size);
 }
 
-/** The content of a library as large as fits into the library state. */
+/** Largest centered box for the content of a library, and its scale. */
 function fitted(content: Size, size: Size): { readonly box: Box; readonly scale: number } {
   const margin = Math.min(size.width, size.height) * CONTENT_MARGIN;
   const [free, high] = [size.width - 2 * margin, size.height - 2 * margin];
@@ -373,7 +373,7 @@ function times({ x, y }: Point, by: Point): Point {
   return { x: x * by.x, y: y * by.y };
 }
 
-/** Ports that keep their share of the border. */
+/** Ports that keep their relative position on the border. */
 function stretchedPorts(ports: readonly PortPlace[], by: Point): readonly PortPlace[] {
   return ports.map((port) => ({ ...port, at: times(port.at, by) }));
 }
@@ -385,7 +385,7 @@ function stretchedLines(lines: readonly RoutedLine[], by: Point): readonly Route
   });
 }
 
-/** Whether the same states follow each other. */
+/** True if both lists have equal paths in equal order. */
 function sameOrder(
   children: readonly LayoutNode[] | null,
   before: readonly LayoutNode[] | null,

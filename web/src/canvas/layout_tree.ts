@@ -1,4 +1,4 @@
-/** Where everything of a machine is, as of now: a `Layout` upon a tree that is kept between changes. */
+/** `Layout` of the current machine, based on a tree that is cached between changes. */
 
 import type { Box, Point } from "../model/geometry.ts";
 import type { PortPlace } from "../model/layout_reader.ts";
@@ -10,22 +10,22 @@ import type { Layout, Route } from "./layout.ts";
 import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from "./layout_node.ts";
 import type { ProvisionalEdit } from "./overlay.ts";
 
-/** What of a view says where things are. */
+/** Settings of a view that affect positions. */
 interface LayoutView {
   readonly modes: ViewModes;
   readonly contents: ReadonlyMap<string, boolean>;
 }
 
-/** A state, and how its own coordinates lie in the root's. */
+/** A state, and the position of its coordinates in those of the root. */
 export interface NodeFrame {
   readonly at: LayoutNode;
   readonly x: number;
   readonly y: number;
-  /** Units of the root for one inside. */
+  /** Units of the root per unit inside. */
   readonly unit: number;
 }
 
-/** A layout, with the tree that they come from. */
+/** A layout with the tree that it is computed from. */
 export interface LayoutTree extends Layout {
   readonly root: LayoutNode | null;
   readonly frame: (path: string) => NodeFrame | undefined;
@@ -37,13 +37,13 @@ interface KeptLayout {
   readonly source: LayoutSource;
   readonly tree: LayoutNode | null;
   readonly layout: LayoutTree;
-  /** With the edit that was shown last. */
+  /** Layout with the edit that was previewed last. */
   shown: { readonly edit: ProvisionalEdit; readonly layout: LayoutTree } | null;
 }
 
 const KEPT = new WeakMap<Machine, KeptLayout>();
 
-/** Where everything of the machine is now, or would be after an edit: the same object as long as nothing is different. */
+/** Layout of the machine as it is, or as it would be after an edit. Returns the cached object while nothing changes. */
 export function layoutTreeOf(
   machine: Machine,
   view: LayoutView,
@@ -68,7 +68,7 @@ function keptLayout(machine: Machine, { contents }: LayoutView): KeptLayout {
   return made;
 }
 
-/** The tree as it would be; as it is where nobody knows. It shares all that the edit does not touch. */
+/** Tree after the edit; the current tree if the result of the edit is unknown. It shares all nodes that the edit does not touch. */
 function treeAfter(
   { source, tree, contents }: KeptLayout,
   { edit, held, isScaled }: ProvisionalEdit,
@@ -80,7 +80,7 @@ function treeAfter(
   return treeOf({ machine: then.machine, contents, ...(scaled && { scaled }) }, tree, touched);
 }
 
-/** Paths of the states that are different since a version, and of all around them; null: all may be. */
+/** Paths of the states that changed since a version, and of all states around them; null means that any state may have changed. */
 function touchedSince(machine: Machine, version: number): ChangedPaths {
   const touched = machine.touchedSince?.(version);
   return touched ? withOuter(touched) : null;
@@ -131,7 +131,6 @@ function over(root: LayoutNode | null): LayoutTree {
   };
 }
 
-/** The frame of a child. */
 export function inside(outer: NodeFrame, child: LayoutNode): NodeFrame {
   const { x, y } = pointAt(outer, child.box);
   return { at: child, x, y, unit: outer.unit * child.scale };
@@ -142,7 +141,7 @@ function outline({ at, x, y, unit }: NodeFrame): Box {
   return { x, y, width: width * unit, height: height * unit };
 }
 
-/** A point of a state in the root's coordinates. */
+/** Converts a point of a state to the root's coordinates. */
 export function pointAt(frame: NodeFrame, { x, y }: Point): Point {
   return { x: frame.x + x * frame.unit, y: frame.y + y * frame.unit };
 }

@@ -1,4 +1,4 @@
-/** The connections of one container, in its coordinates: which ports they join, and as lines by which way. */
+/** Connections of one container, in its coordinates: the ports that they join, and their routes. */
 
 import { type ElementKey, keyOf } from "../model/element.ts";
 import type {
@@ -13,32 +13,32 @@ import { childPath, idOf } from "../model/path.ts";
 import type { LayoutNode } from "./layout_node.ts";
 import type { Routed, RouteEnd, RouteRequest } from "./route.ts";
 
-/** What the machine says of a connection. */
+/** A connection as in the machine's document. */
 export interface RoutedSource {
   readonly kind: "transition" | "data_flow";
   readonly document: TransitionDocument | DataFlowDocument;
 }
 
-/** A connection whose ends are known. */
+/** A connection with known ends. */
 export interface Joined extends RouteRequest, RoutedSource {
   readonly id: number;
   readonly key: ElementKey;
-  /** The ports that it joins. */
+  /** Keys of the ports that it joins. */
   readonly from: ElementKey;
   readonly to: ElementKey;
-  /** The paths of their states. */
+  /** Paths of the states of its ports. */
   readonly fromPath: string;
   readonly toPath: string;
-  /** The name of the port where it begins; of a start nothing. */
+  /** Name of the first port; empty for the start transition. */
   readonly label: string;
-  /** The id of the outcome where it begins; of others 0. */
+  /** Id of the outcome where it starts; 0 for other ports. */
   readonly outcome: number;
 }
 
-/** A connection as it is drawn. */
+/** A connection with its route. */
 export interface RoutedLine extends Joined, Routed {}
 
-/** How far data flows go out of their way. */
+/** Largest detour of data flows in a container. */
 export function reachOf({ size, children }: LayoutNode): number {
   const sides = children.map(({ box }) => Math.min(box.width, box.height));
   return Math.min(
@@ -47,14 +47,14 @@ export function reachOf({ size, children }: LayoutNode): number {
   );
 }
 
-/** A port, where it stands in the container, and the path of its state. */
+/** A port, its position in the container, and the path of its state. */
 interface Joint {
   readonly end: RouteEnd;
   readonly port: PortPlace;
   readonly path: string;
 }
 
-/** The states that connections of a container can join, by their ids. */
+/** States that connections of a container can join, by id. */
 export class LineEnds {
   readonly #container: LayoutNode;
   readonly #own: string;
@@ -68,7 +68,7 @@ export class LineEnds {
     return id === null || id === undefined || id === this.#own;
   }
 
-  /** The port of a child, or of the container; undefined if there is none such. */
+  /** A port of a child or of the container; undefined if it does not exist. */
   joint(id: string | null | undefined, fits: (port: PortPlace) => boolean): Joint | undefined {
     const isOwn = this.isOwn(id);
     const index = isOwn ? -1 : this.#container.indexOf(childPath(this.#container.path, id ?? ""));
@@ -81,7 +81,7 @@ export class LineEnds {
   }
 }
 
-/** A point of a child in the coordinates of its container. */
+/** Converts a point of a child to the coordinates of its container. */
 function inContainer(child: LayoutNode, at: Point): Point {
   return { x: child.box.x + at.x * child.scale, y: child.box.y + at.y * child.scale };
 }
@@ -98,7 +98,7 @@ function normal(at: Point, size: Size, inward: boolean): Point {
   return inward ? { x: -x || 0, y: -y || 0 } : { x, y };
 }
 
-/** All that the machine says of connections in a state, transitions first. */
+/** All connections in a state, transitions first. */
 export function sourcesOf(state: StateDocument): readonly RoutedSource[] {
   if (state.kind === "library") return [];
   return [
@@ -107,7 +107,7 @@ export function sourcesOf(state: StateDocument): readonly RoutedSource[] {
   ];
 }
 
-/** The connection with its ends; undefined if one of them is not there. */
+/** Connection with its ends; undefined if one of them is missing. */
 export function joined(
   container: LayoutNode,
   ends: LineEnds,

@@ -1,4 +1,4 @@
-/** What browsers tell about pointer, wheel, keys and drags, as the interaction controller understands it. */
+/** Translates pointer, wheel, key and drag events of the browser for the interaction controller. */
 
 import type { ElementRef } from "../model/element.ts";
 import { distance, type Point } from "../model/geometry.ts";
@@ -10,12 +10,12 @@ import type { Pointer } from "./tools/gesture.ts";
 interface Hearers {
   readonly controller: InteractionController;
   readonly reader: ReaderTree;
-  /** What is being dragged onto the canvas. */
+  /** Object that is dragged onto the canvas. */
   readonly dragged: () => Dragged | null;
-  /** The user takes over what moves by itself. */
+  /** Called when the user takes over a camera that moves by itself. */
   readonly interrupt: () => void;
   readonly choose: (element: ElementRef) => void;
-  /** The menu is wanted at a point of the view, or by keyboard. */
+  /** Opens the menu: at a point of the view, or without one if requested by keyboard. */
   readonly menu: (at: Point | null) => void;
 }
 
@@ -45,7 +45,7 @@ function fingerOf(event: PointerEvent): { readonly finger?: number } {
   return event.pointerType === "touch" ? { finger: event.pointerId } : {};
 }
 
-/** Whether space is held: then the pointer moves the view. */
+/** Elements with the space key held down. The pointer pans the view meanwhile. */
 const SPACE = new WeakSet<HTMLElement>();
 
 function pointers(
@@ -98,7 +98,7 @@ function pointers(
   });
   on("contextmenu", (event) => {
     event.preventDefault();
-    // Those by key are known already: browsers tell them without a pointer.
+    // The key listener opens the menu already. Browsers send this event without a pointer for keys.
     const isByKey = event.button !== 2 && !(event instanceof PointerEvent && event.pointerType);
     if (!isByKey) menu(pointerOf(root, event));
   });
@@ -118,7 +118,7 @@ function pointers(
 const RESTS_MS = 500;
 const RESTS_WITHIN = 10;
 
-/** A finger that rests asks for the menu: not all browsers tell of that themselves. */
+/** Opens the menu after a long press. Not all browsers send a `contextmenu` event for it. */
 function longPress(rested: (at: Point) => void) {
   let waiting: { readonly from: Point; readonly finger: number; readonly timer: number } | null =
     null;
@@ -127,7 +127,7 @@ function longPress(rested: (at: Point) => void) {
     waiting = null;
   };
   return {
-    /** A second finger zooms, and asks for nothing. */
+    /** A second finger zooms, and cancels the long press. */
     begin: (from: Point, finger: number) => {
       const isSecond = waiting !== null;
       end();
@@ -148,7 +148,7 @@ function longPress(rested: (at: Point) => void) {
 const TAPS_WITHIN_MS = 350;
 const TAPS_WITHIN = 24;
 
-/** Whether a finger has tapped twice at one place: browsers tell no double click of fingers on a canvas. */
+/** Detects a double tap. Browsers send no `dblclick` event for touches on a canvas. */
 function doubleTap(): (at: Point, time: number) => boolean {
   let last: { readonly at: Point; readonly time: number } | null = null;
   return (at, time) => {
@@ -201,7 +201,7 @@ function keys(
   );
 }
 
-/** During a gesture Alt is for the gesture, and not for the browser's menu. */
+/** During a gesture Alt belongs to the gesture, and must not open the browser's menu. */
 function changeModifiers(controller: InteractionController, event: KeyboardEvent): void {
   if (controller.doing !== null) event.preventDefault();
   controller.modifiers(modifiers(event));

@@ -1,22 +1,22 @@
-/** Where the camera goes to show something. */
+/** Camera positions that show given elements. */
 
 import { type Box, boundsOf, type Size } from "../model/geometry.ts";
 import type { Camera } from "../store/page/view.ts";
 import { fitted, screenBox } from "./camera.ts";
 
-/** Room around what fills the view, in CSS pixels. */
+/** Margin around boxes that fill the view, in CSS pixels. */
 const MARGIN = 40;
 
-/** Everything in these boxes, as large as it fits. */
+/** Camera that shows these boxes as large as they fit. */
 export function filling(boxes: readonly Box[], size: Size): Camera | null {
   const box = boundsOf(boxes);
   return box && fitted(box, size, Math.min(MARGIN, size.width / 8, size.height / 8));
 }
 
-/** From this size on, in CSS pixels, a state can be read. */
+/** Smallest size of a readable state, in CSS pixels. */
 const READABLE = 60;
 
-/** The same camera if the box can be seen and read; otherwise one that moves and zooms no more than it takes. */
+/** Camera that makes the box visible and readable with as little movement as possible; unchanged if it is already. */
 export function revealing(box: Box, camera: Camera, size: Size): Camera {
   const on = screenBox(camera, box);
   const isTooLarge = on.width > size.width || on.height > size.height;
@@ -33,7 +33,7 @@ export function revealing(box: Box, camera: Camera, size: Size): Camera {
   };
 }
 
-/** Moved so far that the box is in sight. */
+/** Moves the camera just enough to bring the box into the view. */
 function nudged(box: Box, camera: Camera, size: Size): Camera {
   const on = screenBox(camera, box);
   const by = (start: number, length: number, whole: number) => {

@@ -1,5 +1,5 @@
-/** A small picture of the whole machine in the corner, with a frame around what the view shows: press and drag to look
- * elsewhere, fold it away with its button. */
+/** Minimap in the corner: shows the whole machine with a frame around the visible area. Press or drag to move the view; the
+ * button folds the map away. */
 
 import { effect, signal } from "@preact/signals-core";
 import type { Box, Point, Size } from "../model/geometry.ts";
@@ -13,20 +13,20 @@ import { paint } from "./paint/paint.ts";
 import type { CanvasPicture } from "./picture.ts";
 
 const SIZE: Size = { width: 168, height: 104 };
-/** The small picture is drawn so much larger, for its detail, and then made smaller. */
+/** Resolution factor: the map is painted larger and then scaled down, for more detail. */
 const FINER = 4;
 const MARGIN = 6;
 const TIGHT = { width: 520, height: 300 };
-/** After a change of the machine the small picture follows within so many ms. */
+/** Delay between a change of the machine and the repaint of the map, in ms. */
 const REST_MS = 200;
-/** A run changes all the time: it is followed less often. */
+/** Delay after a change of a run, in ms. Runs change all the time, so the map follows them less often. */
 const RUN_REST_MS = 500;
 
 interface Minimap {
   readonly dispose: () => void;
 }
 
-/** Puts the overview into the corner of an element. */
+/** Adds the minimap to the corner of an element. */
 export function minimapIn(
   place: HTMLElement,
   tab: OpenTab,
@@ -49,7 +49,7 @@ export function minimapIn(
   const soon = (within = REST_MS) => {
     if (rest === 0) rest = window.setTimeout(repaint, within);
   };
-  /** Where it would hide much, and where it has nothing to tell, it is folded until somebody wants it. */
+  /** Folds the map if the canvas is small or everything is in view, unless the user has opened or folded it. */
   const foldAsFits = () => {
     if (!isChosen) folded.value = isTight(place) || isAllInView(tab, picture);
   };
@@ -109,7 +109,7 @@ function isAllInView({ view }: OpenTab, picture: CanvasPicture): boolean {
   return on.x >= 0 && on.y >= 0 && on.x + on.width <= width && on.y + on.height <= height;
 }
 
-/** Whether it would hide much of the canvas. */
+/** True if the map would hide much of the canvas. */
 function isTight({ clientWidth, clientHeight }: HTMLElement): boolean {
   return clientWidth < TIGHT.width || clientHeight < TIGHT.height;
 }
@@ -145,12 +145,12 @@ function buttonIn(box: HTMLElement): HTMLButtonElement {
   return fold;
 }
 
-/** Tells where the pointer is while it is pressed. */
+/** Calls back with the position of the pointer while it is pressed. */
 function listen(map: HTMLCanvasElement, tell: (at: Point) => void): void {
   const told = (event: PointerEvent) => tell({ x: event.offsetX, y: event.offsetY });
   map.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
-    // The press leaves the keyboard where it is: with the canvas.
+    // The keyboard focus stays on the canvas.
     event.preventDefault();
     map.setPointerCapture(event.pointerId);
     told(event);
@@ -160,7 +160,7 @@ function listen(map: HTMLCanvasElement, tell: (at: Point) => void): void {
   });
 }
 
-/** How the map looks at the machine: at all of it. */
+/** Camera of the map: it shows the whole machine. */
 function mapCamera(root: Box): Camera {
   return fitted(root, SIZE, MARGIN);
 }

@@ -1,5 +1,5 @@
-/** The canvas in the document: the picture, the interaction controller, and all that browsers tell about pointer, wheel, keys and
- * drags. After `dispose` nothing of it is left. */
+/** Adds the canvas to the document: the picture, the interaction controller, and the listeners for pointer, wheel, keys and
+ * drags. `dispose` removes all of it. */
 
 import { effect } from "@preact/signals-core";
 import { type ElementRef, keyOf } from "../model/element.ts";
@@ -44,7 +44,7 @@ export interface Mounted {
 
 let mounted = 0;
 
-/** Puts the canvas of a machine into an element, which it fills. */
+/** Fills an element with the canvas of a machine. */
 export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted {
   const { tab, page } = options;
   const root = application(place);
@@ -72,7 +72,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   picture.canvas.setAttribute("aria-hidden", "true");
   const pulses = pulsesOver(root, picture, tab.run);
   const minimap = minimapIn(place, tab, picture, () => root.focus({ preventScroll: true }));
-  // Where the camera stands at first is nobody's move.
+  // Must come before `followRun`: the first camera position does not count as a movement by the user.
   const stopLooking = firstLook(root, tab, controller);
   const stopFollowing = followRun(tab, page, picture, flight);
   const reader = new ReaderTree(root, `rafcon-canvas-${++mounted}`);
@@ -165,7 +165,7 @@ function controlOf(
   };
 }
 
-/** The menu is about what is under the pointer, unless that is selected already. */
+/** Selects the element under the pointer for the menu, unless it is selected already. */
 function choosesForMenu(controller: InteractionController, { view }: OpenTab, at: Point): void {
   controller.cancel();
   const element = controller.at(at)?.element;
@@ -189,7 +189,7 @@ function placeOfSelection(
   };
 }
 
-/** The field over the name of a state; it goes when the camera moves. */
+/** Opens the field over the name of a state. It closes when the camera moves. */
 function openField(
   root: HTMLElement,
   place: HTMLElement,
@@ -234,10 +234,10 @@ function openField(
   return field.close;
 }
 
-/** What runs, and breakpoints, are told to those who hear the page this often. */
+/** Interval of updates of active states and breakpoints for screen readers, in ms. */
 const READ_RUN_MS = 1_000;
 
-/** Keeps the hidden tree as the canvas is, once a frame at most. */
+/** Updates the hidden tree after changes of the canvas, at most once per frame. */
 function keepReading(
   reader: ReaderTree,
   controller: InteractionController,

@@ -1,4 +1,4 @@
-/** What the small picture of a whole machine shows: boxes only, of the machine and of one that is offered beside it. */
+/** Content of the minimap: only boxes, of the machine and of a proposed one. */
 
 import type { GhostMachine } from "../store/page/view.ts";
 import { ghostLayers } from "./ghost.ts";
@@ -9,12 +9,12 @@ import { scene } from "./scene/scene.ts";
 
 interface OverviewShown extends Pick<SceneInput, "layout" | "camera" | "view" | "modes" | "runs"> {
   readonly ghost: GhostMachine | null;
-  /** Pixels of the small picture for one that is seen. */
+  /** Pixels of the minimap's canvas per visible pixel. */
   readonly line: number;
 }
 
 const QUIET = { transitions: false, dataFlows: "none", portNames: false } as const;
-/** How wide the line is around what is to be seen from afar. */
+/** Width of the outline of boxes that need attention. */
 const LOUD_LINE = 2.5;
 
 export function overview({ ghost, line, ...shown }: OverviewShown): DrawList {
@@ -37,7 +37,7 @@ function boxesOnly(layer: Layer, loud: number): Layer {
   return { ...layer, boxes, dots: [], icons: [], texts: [], lines: [], under: [] };
 }
 
-/** What waits for somebody and what is offered is seen from afar: dashes would be too fine. */
+/** Gives boxes that wait for a person, and proposed boxes, a solid wide outline. Dashes would be too fine. */
 function asLarge(box: BoxMark, line: number): BoxMark {
   const isOffered = box.what.startsWith("ghost ") && box.stroke !== null;
   const isLoud = box.stroke === "waiting" || isOffered;

@@ -1,5 +1,5 @@
-/** The canvas element with the picture of a machine: watches all that the picture depends on, and paints it anew, once a frame at
- * most and never for nothing. */
+/** Canvas element with the picture of a machine. Watches everything that the picture depends on, and repaints at most once per
+ * frame and only after changes. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
@@ -20,7 +20,7 @@ import { type DifferenceKind, type Onlooker, PLAIN, type SceneInput } from "./sc
 import type { DrawList } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
-/** What is shown beside the machine itself, by those who know it. */
+/** Additional data for the picture, from other parts of the page. */
 export interface Extras {
   readonly differences?: ReadonlyMap<ElementKey, DifferenceKind>;
   readonly hits?: ReadonlySet<ElementKey>;
@@ -36,37 +36,37 @@ export interface Extras {
 
 interface PictureOptions {
   readonly tab: OpenTab;
-  /** What gestures show now; a signal's reader, so that the picture follows it. */
+  /** Preview of the current gesture. Reads a signal, so that the picture follows it. */
   readonly overlay: () => Overlay;
   readonly extras?: () => Extras;
 }
 
 export interface CanvasPicture {
   readonly canvas: HTMLCanvasElement;
-  /** In CSS pixels. */
+  /** Size in CSS pixels. */
   readonly size: () => Size;
   readonly layout: () => LayoutTree;
-  /** What states do in the run; a signal's reader. */
+  /** Activity of states in the run. Reads a signal. */
   readonly runs: () => SceneInput["runs"];
-  /** States with breakpoints; a signal's reader. */
+  /** States with breakpoints. Reads a signal. */
   readonly breakpoints: () => SceneInput["breakpoints"];
-  /** Transitions that were taken lately; a signal's reader. */
+  /** Recently taken transitions. Reads a signal. */
   readonly taken: () => SceneInput["taken"];
-  /** What is painted now. */
+  /** Marks of the last painted frame. */
   readonly list: () => DrawList;
-  /** Paints anew with the next frame. */
+  /** Requests a repaint with the next frame. */
   readonly redraw: () => void;
   readonly colours: () => Colours;
-  /** Another number whenever the colours are others. */
+  /** Counter that changes whenever the colours change. */
   readonly theme: ReadonlySignal<number>;
-  /** Why it could not be drawn the last time: what is to be seen is old. Null if it could. */
+  /** Error of the last attempt to draw, after which the picture is outdated; null if it succeeded. */
   readonly fault: ReadonlySignal<string | null>;
-  /** Told after each painted frame. Returns the way to stop. */
+  /** Calls the listener after each painted frame. Returns a function that removes it. */
   readonly onFrame: (listener: () => void) => () => void;
   readonly dispose: () => void;
 }
 
-/** So many ms a frame may take with finding the ways of lines, and so many of them are for that at least and at most. */
+/** Target duration of a frame with routing, and lower and upper limit of the routing in it, in ms. */
 const FRAME_MS = 11;
 const LEAST_ROUTING_MS = 2;
 const MOST_ROUTING_MS = 6;
@@ -78,7 +78,7 @@ function withGhost(list: DrawList, ghost: Pick<DrawList, "layers" | "unfinished"
 
 const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 
-/** Puts a picture into an element, and keeps it true. */
+/** Adds a picture to an element, and keeps it up to date. */
 export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPicture {
   const { session, view } = options.tab;
   const canvas = document.createElement("canvas");
@@ -92,7 +92,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
   let size: Size = { width: place.clientWidth, height: place.clientHeight };
   let list = EMPTY;
   let frame = 0;
-  /** How many ms the last frame took without finding ways. */
+  /** Duration of the last frame without routing, in ms. */
   let lasted = 0;
   const listeners = new Set<() => void>();
   const idleRouter = new IdleRouter();
@@ -122,7 +122,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
     else idleRouter.look(list.soon);
     for (const listener of listeners) listener();
   };
-  /** Draws; what is thrown here nobody else would catch, and the last picture would stay as if it were true. */
+  /** Draws, and stores errors in `fault`. Uncaught, they would leave an outdated picture without a message. */
   const drawOrTell = () => {
     frame = 0;
     try {
@@ -185,7 +185,7 @@ interface Loader {
   readonly stop: () => void;
 }
 
-/** Gets the content of libraries, each once; those that may have changed once more. */
+/** Loads the content of libraries, each once. A change that may affect all libraries allows another load. */
 function loader(session: MachineSession, came: () => void): Loader {
   let asked = new Set<string>();
   const stop = session.onChange((touched) => {
@@ -206,7 +206,7 @@ interface PictureListener {
   readonly lettered: () => void;
 }
 
-/** Tells what the picture has to follow; returns the way to stop. */
+/** Calls back after changes that affect the picture. Returns a function that stops it. */
 function watch(place: HTMLElement, options: PictureOptions, tell: PictureListener): () => void {
   const stopFollowing = effect(() => {
     follow(options);
@@ -279,7 +279,7 @@ function onlookers(people: OpenTab["session"]["people"]["value"]): readonly Onlo
 
 const RANK: Readonly<Record<Severity, number>> = { note: 0, warning: 1, error: 2 };
 
-/** The worst problem of each state. */
+/** Most severe problem of each state. */
 const worst = perOwner((problems: readonly MachineProblem[]): ReadonlyMap<string, Severity> => {
   const found = new Map<string, Severity>();
   for (const { path, severity } of problems) {
@@ -290,12 +290,12 @@ const worst = perOwner((problems: readonly MachineProblem[]): ReadonlyMap<string
 });
 
 interface RoutingTime {
-  /** Whether there is time left in this frame. The first is always granted. */
+  /** True if this frame has time left. The first call always returns true. */
   readonly mayGoOn: () => boolean;
   readonly used: () => number;
 }
 
-/** Time from when it is asked for first, as much as the rest of the frame leaves. */
+/** Time for routing, counted from its first use. `left` is the remaining time of the frame. */
 function routingTime(left: number): RoutingTime {
   const most = Math.min(MOST_ROUTING_MS, Math.max(LEAST_ROUTING_MS, left));
   let [begun, last] = [0, 0];

@@ -1,5 +1,5 @@
-/** A pulse where a transition was taken: a light that runs along the line, upon a canvas of its own, so that nothing else is painted
- * anew for it. None for those who want no motion, nor where so much happens that it would only flicker. */
+/** Pulse on a taken transition: a light that runs along the line. It has a canvas of its own, so that the picture is not
+ * repainted. There is no pulse for users who prefer reduced motion, nor after many transitions at once, which would only flicker. */
 
 import { effect, type ReadonlySignal } from "@preact/signals-core";
 import type { ElementKey } from "../model/element.ts";
@@ -9,9 +9,9 @@ import type { CanvasPicture } from "./picture.ts";
 import type { SceneInput } from "./scene/input.ts";
 
 const DURATION_MS = 420;
-/** If more transitions than these were taken since the last look, none of them pulses. */
+/** Largest number of transitions since the last check that still pulse. */
 const AT_ONCE = 6;
-/** How long the light is, in CSS pixels, and how wide. */
+/** Length and width of the light, in CSS pixels. */
 const LENGTH = 34;
 const WIDTH = 5;
 
@@ -69,17 +69,17 @@ export function pulsesOver(
   };
 }
 
-/** Whether what is told of a run was before one looked: it is still told what was, or it is over and none of its moments is shown. */
+/** True if the transitions are old: the history of the run is still loading, or the run is over and no earlier moment is selected. */
 function isPast({ isCaughtUp, playhead, now }: Watch): boolean {
   return !isCaughtUp.value || (playhead.value === null && now.value?.link === "over");
 }
 
-/** Which transitions were taken since the last look. */
+/** Transitions taken since the last check. */
 export class NewlyTaken {
   #run: unknown = null;
   #last: number | null = null;
 
-  /** None at the first look at a run, and none of too many. */
+  /** Empty on the first check of a run, and if there are too many. */
   of(run: unknown, all: SceneInput["taken"]): readonly ElementKey[] {
     const before = run === this.#run ? this.#last : null;
     const taken = [...all].filter(([, { isNext }]) => !isNext);
@@ -90,7 +90,7 @@ export class NewlyTaken {
   }
 }
 
-/** The lines that are painted of these transitions. */
+/** Painted lines of these transitions. */
 function linesOf(picture: CanvasPicture, keys: readonly string[]): readonly (readonly number[])[] {
   const wanted = new Set(keys);
   return picture
@@ -136,7 +136,7 @@ function pieceLength(points: readonly number[], at: number): number {
   return Math.hypot(toX - fromX, toY - fromY);
 }
 
-/** Adds the stretch of a line between two distances from its start to the path. */
+/** Adds the part of a line between two distances from its start to the path. */
 export function stretch(
   path: Pick<CanvasPath, "moveTo" | "lineTo">,
   points: readonly number[],

@@ -1,5 +1,5 @@
-/** The graph for screen readers: a hidden tree of the level that one works in, which mirrors the selection. Large levels are
- * told in part, around what is selected. */
+/** The graph for screen readers: a hidden tree of the current level that mirrors the selection. Large levels are cut to the part
+ * around the selection. */
 
 import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Machine } from "../model/machine.ts";
@@ -7,20 +7,19 @@ import { parentOf } from "../model/path.ts";
 import { described, type Signs } from "./describe.ts";
 import type { Layout } from "./layout.ts";
 
-/** One line of the tree. */
 export interface TreeLine {
   readonly element: ElementRef;
   readonly text: string;
   readonly level: 1 | 2 | 3;
   readonly selected: boolean;
-  /** Its number among its siblings, from 1 on, and how many there are. */
+  /** Position among its siblings, counted from 1, and their number. */
   readonly number: number;
   readonly count: number;
 }
 
 const AROUND_MAX = 40;
 
-/** The tree of a level: the container, its children near the selection, and the selected part of one of them. */
+/** Tree of a level: the container, its children near the selection, and the selected part of one of them. */
 export function treeLines(
   machine: Machine,
   layout: Layout,
@@ -57,7 +56,7 @@ export function treeLines(
   return lines;
 }
 
-/** The container of what is selected, or else the one that fills the view. */
+/** Container of the selection, or else the one that fills the view. */
 function levelOf(layout: Layout, stage: string, active: ElementRef | undefined): string {
   if (!active || !layout.box(active.path)) return stage;
   if (active.kind === "transition" || active.kind === "data_flow") return active.path;
@@ -80,11 +79,11 @@ function isSame(lines: readonly TreeLine[], others: readonly TreeLine[]): boolea
   );
 }
 
-/** Out of sight, but not for screen readers. */
+/** Invisible, but available to screen readers. */
 const HIDDEN =
   "position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap;";
 
-/** The hidden tree in the document. */
+/** Hidden tree in the document. */
 export class ReaderTree {
   readonly tree: HTMLElement;
   readonly status: HTMLElement;
@@ -92,7 +91,7 @@ export class ReaderTree {
   readonly #name: string;
   #lines: readonly TreeLine[] = [];
 
-  /** `owner` has the focus, and says which line of the tree stands for it. */
+  /** `owner` has the focus. Its `aria-activedescendant` names the current line of the tree. */
   constructor(owner: HTMLElement, name: string) {
     this.#owner = owner;
     this.#name = name;
@@ -129,7 +128,7 @@ export class ReaderTree {
     return item;
   }
 
-  /** What an item of the tree stands for. */
+  /** Element that an item of the tree represents. */
   elementOf(target: EventTarget | null): ElementRef | null {
     const index = [...this.tree.children].indexOf(target as Element);
     return this.#lines[index]?.element ?? null;

@@ -1,15 +1,15 @@
-/** The field over a name in which it is changed in place. */
+/** Text field over a name that renames in place. */
 
 import type { Box } from "../model/geometry.ts";
 
 interface Renaming {
   readonly place: HTMLElement;
-  /** Where the name stands, in CSS pixels of the place. */
+  /** Box of the name, in CSS pixels of `place`. */
   readonly box: Box;
   readonly name: string;
-  /** Takes the name; what it gives back is why not. */
+  /** Applies the name; returns the reason if it is refused. */
   readonly take: (name: string) => string | null;
-  /** After the field is gone. */
+  /** Called after the field was removed. */
   readonly done: () => void;
 }
 
@@ -18,11 +18,11 @@ const HEIGHT = 28;
 
 interface RenameField {
   readonly close: () => void;
-  /** Says what somebody else did to the name meanwhile: from then on only Enter takes the one that is written here. */
+  /** Shows a change of the name by another user. From then on only Enter applies the text of the field. */
   readonly warn: (text: string) => void;
 }
 
-/** Opens the field. Enter and leaving it take the name, Escape leaves it as it was. */
+/** Opens the field. Enter and loss of focus apply the name; Escape discards it. */
 export function renameField(renaming: Renaming): RenameField {
   const { place, box, name } = renaming;
   const field = document.createElement("input");

@@ -1,41 +1,41 @@
-/** Ways of transitions: at right angles around the states between their ends, or over the author's waypoints. Quick and
- * local: of a few shapes for each line the one that costs least, after the lines before it. What leads to one target shares
- * its way there, and so many lines become one trunk; others keep apart. */
+/** Routes of transitions: at right angles around the states between their ends, or over the author's waypoints. The search is
+ * fast and local: it picks the cheapest of a few shapes for each line, given the lines before it. Lines to one target may share a
+ * route, which merges them into a trunk; other lines keep apart. */
 
 import { type Box, distance, type Point } from "../model/geometry.ts";
 import { freeWay } from "./free_way.ts";
 import { type RoutingLanes, SHARED_FOR_UNIT } from "./routing_lanes.ts";
 
-/** Where a line begins or ends. */
+/** An end of a line. */
 export interface RouteEnd {
   readonly at: Point;
-  /** The way out of the port, one long. */
+  /** Unit vector that points out of the port. */
   readonly out: Point;
-  /** Which of the boxes has the port; -1: the container. */
+  /** Index of the box that has the port; -1 is the container. */
   readonly box: number;
 }
 
 export interface RouteRequest {
   readonly from: string;
-  /** Lines to the same target may share a way. */
+  /** Target. Lines with equal targets may share a route. */
   readonly to: string;
   readonly start: RouteEnd;
   readonly goal: RouteEnd;
-  /** The author's waypoints. */
+  /** Waypoints of the author. */
   readonly by: readonly Point[];
 }
 
 export interface Routed {
   readonly points: readonly Point[];
-  /** Which of the points are waypoints of the author. */
+  /** Indices of the points that are waypoints of the author. */
   readonly waypoints: readonly number[];
-  /** The point after which it runs longest on its own: where a label sits best. */
+  /** Index of the point before the longest piece without other lines beside it: the best position of a label. */
   readonly longest: number;
-  /** All that it touches. */
+  /** Bounds of the points. */
   readonly box: Box;
 }
 
-/** The lines in the order in which they look for their ways: those with waypoints, and then short ones first. */
+/** Lines in the order of routing: those with waypoints first, then short ones before long ones. */
 export function nearFirst<T extends RouteRequest>(lines: readonly T[]): readonly T[] {
   return lines
     .map((line, index) => ({ line, index, far: reach(line) }))
@@ -43,7 +43,7 @@ export function nearFirst<T extends RouteRequest>(lines: readonly T[]): readonly
     .map(({ line }) => line);
 }
 
-/** The way of a line beside those that are taken; it is taken itself from now on. */
+/** Route of a line, given the routes taken before. It is marked as taken itself. */
 export function routed(line: RouteRequest, lanes: RoutingLanes): Routed {
   const way = line.by.length > 0 ? overWaypoints(line, lanes.pace) : cheapest(line, lanes);
   lanes.take(way.points, line.to);
@@ -55,7 +55,7 @@ function reach({ start, goal, by }: RouteRequest): number {
   return by.length > 0 ? far - 1e9 : far;
 }
 
-/** As the reference draws it: straight from point to point, with short pieces out of the ports. */
+/** Straight from point to point, with short pieces at the ports, as the reference draws it. */
 function overWaypoints({ start, goal, by }: RouteRequest, pace: number): Routed {
   const [first = goal.at, last = start.at] = [by[0], by.at(-1)];
   const out = stub(start, Math.min(pace, distance(start.at, first) / 2));
@@ -73,7 +73,7 @@ function stub({ at, out }: RouteEnd, length: number): Point {
   return { x: at.x + out.x * length, y: at.y + out.y * length };
 }
 
-/** A likely shape that costs nothing but its length is taken at once; else all channels are tried that are not too far off. */
+/** Takes a simple shape at once if it crosses nothing; otherwise tries all channels near the line. */
 function cheapest(line: RouteRequest, lanes: RoutingLanes): Routed {
   const short = Math.min(lanes.pace, distance(line.start.at, line.goal.at) / 3);
   const from = lanes.inFrame(stub(line.start, short));
@@ -93,7 +93,7 @@ function cheapest(line: RouteRequest, lanes: RoutingLanes): Routed {
   return { points, waypoints: [], longest: lanes.longestAlone(points), box: boxOf(points) };
 }
 
-/** Another way if this one leads through a state, as far as there is one. */
+/** Another route if this one crosses a state and the search finds one. */
 function aroundStates(
   points: readonly Point[],
   line: RouteRequest,
@@ -103,10 +103,10 @@ function aroundStates(
   return freeWay(line, lanes) ?? points;
 }
 
-/** So many channels in a row that are too long already are enough to know. */
+/** Number of successive channels that are too long after which the search stops. */
 const TOO_LONG = 3;
 
-/** The best way so far. */
+/** The best route found until now. */
 class BestRoute {
   points: readonly Point[] = [];
   isFree = false;
@@ -115,7 +115,7 @@ class BestRoute {
   readonly #from: Point;
   readonly #to: Point;
   readonly #lanes: RoutingLanes;
-  /** How little of its length a way may cost, if it can be shared. */
+  /** Smallest share of its length that a route can cost, given the savings on shared parts. */
   readonly #share: number;
 
   constructor(line: RouteRequest, from: Point, to: Point, lanes: RoutingLanes) {
@@ -126,7 +126,7 @@ class BestRoute {
     this.#share = lanes.isShared(line.to) ? 1 - SHARED_FOR_UNIT : 1;
   }
 
-  /** Tries corners between the ends of the short pieces; false if they are too long for that. */
+  /** Tries these corners between the short pieces at the ports; false if they are too long to be cheaper. */
   offer(middle: readonly Point[]): boolean {
     const { start, goal } = this.#line;
     const points = withoutDetours([start.at, this.#from, ...middle, this.#to, goal.at]);
@@ -164,7 +164,7 @@ function alongAt(y: number, from: Point, to: Point): readonly Point[] {
   ];
 }
 
-/** Without points in the middle of a straight piece. What turns back stays: it costs. */
+/** Removes points in the middle of straight pieces. Reversals stay, because they add cost. */
 function withoutDetours(points: readonly Point[]): readonly Point[] {
   const kept: Point[] = [];
   for (const point of points) {
@@ -187,7 +187,7 @@ function onTheWay(before: Point, point: Point, after: Point): boolean {
   return false;
 }
 
-/** The point that the longest piece begins at. */
+/** Index of the point where the longest piece begins. */
 export function longestOf(points: readonly Point[]): number {
   let [best, longest] = [0, -1];
   for (let index = 0; index + 1 < points.length; index++) {
@@ -199,7 +199,6 @@ export function longestOf(points: readonly Point[]): number {
   return best;
 }
 
-/** The smallest box around points. */
 export function boxOf(points: readonly Point[]): Box {
   let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const { x, y } of points) {

@@ -1,10 +1,10 @@
-/** The room between the states of a container: what a way through it costs, and which ways are taken already. */
+/** The area between the states of a container: the cost of a route through it, and the routes that are taken. */
 
 import type { Box, Point, Size } from "../model/geometry.ts";
 import type { Grid } from "./grid.ts";
 import type { RouteRequest } from "./route.ts";
 
-/** A straight piece of a line that stands or lies, as far as it goes. */
+/** A vertical or horizontal piece of a line. */
 interface Piece {
   readonly at: number;
   readonly from: number;
@@ -12,11 +12,11 @@ interface Piece {
   readonly group: string;
 }
 
-/** More lines than these do not look after each other: nobody could tell them apart. */
+/** Number of pieces from which lines ignore each other. Nobody could distinguish so dense lines. */
 const MANY_LINES = 160;
-/** Among more states than these only the likeliest ways are tried: one cannot follow any line there. */
+/** Number of states above which only the simplest shapes are tried. Nobody could follow a line among more. */
 const MANY_BOXES = 800;
-/** Boxes that give ways around them, at most, and ways beside each side of one. */
+/** Largest number of boxes that add channels, and channels beside each side of a box. */
 const NEAR_BOXES = 10;
 const BESIDE = 3;
 
@@ -27,15 +27,15 @@ const THROUGH_FOR_UNIT = 4;
 const GRAZE_FOR_UNIT = 0.6;
 const OVER_OTHER_FOR_UNIT = 3;
 const CROSS = 0.8;
-/** So much is saved of the length that lines to one target share. */
+/** Saving per unit of length that a line shares with others to its target. */
 export const SHARED_FOR_UNIT = 0.75;
 const OUTSIDE = 60;
-/** Less than this part of a pace is arithmetic. */
+/** Rounding error, in paces. */
 const TINY = 1e-6;
 const NOTHING: Box = { x: 0, y: 0, width: 0, height: 0 };
 
 export class RoutingLanes {
-  /** How far lines stay away from states and from each other. */
+  /** Distance of lines from states and from each other. */
   readonly pace: number;
   readonly #boxes: readonly Box[];
   readonly frame: Size;
@@ -44,7 +44,7 @@ export class RoutingLanes {
   readonly #lying: Piece[] = [];
   readonly #standing: Piece[] = [];
 
-  /** `grid` has the same boxes. */
+  /** `grid` is the index of `boxes`. */
   constructor(boxes: readonly Box[], frame: Size, grid: Grid) {
     this.#boxes = boxes;
     this.frame = frame;
@@ -56,12 +56,12 @@ export class RoutingLanes {
     return this.#boxes.length > MANY_BOXES;
   }
 
-  /** Whether a way to this target is there already. */
+  /** True if a route to this target is taken. */
   isShared(group: string): boolean {
     return this.#groups.has(group);
   }
 
-  /** The way is used from now on. */
+  /** Marks the route as taken. */
   take(points: readonly Point[], group: string): void {
     if (this.#lying.length + this.#standing.length > MANY_LINES) return;
     this.#groups.add(group);
@@ -73,7 +73,7 @@ export class RoutingLanes {
     }
   }
 
-  /** What a way costs at least: for its length and bends, with nothing in the way. */
+  /** Lower bound of the cost of a route: its length, bends and reversals. */
   least(points: readonly Point[]): number {
     let cost = (points.length - 2) * BEND * this.pace + turnsBack(points) * TURN_BACK * this.pace;
     for (let index = 0; index + 1 < points.length; index++) {
@@ -83,7 +83,7 @@ export class RoutingLanes {
     return cost;
   }
 
-  /** What a way costs for what it meets; less than nothing where it shares a way; anything from `enough` on if no less. */
+  /** Additional cost of a route for states and lines in its way; negative where it shares a route. The sum stops at `enough`. */
   penalty(points: readonly Point[], line: RouteRequest, enough: number): number {
     let cost = 0;
     for (let index = 0; index + 1 < points.length; index++) {
@@ -149,13 +149,13 @@ export class RoutingLanes {
     return cost - shared * SHARED_FOR_UNIT;
   }
 
-  /** The point of the container that is nearest. */
+  /** Nearest point inside the container. */
   inFrame({ x, y }: Point): Point {
     const { width, height } = this.frame;
     return { x: Math.min(Math.max(x, 0), width), y: Math.min(Math.max(y, 0), height) };
   }
 
-  /** True for a way through a state. */
+  /** True for a route through a state. */
   crosses(points: readonly Point[]): boolean {
     return points.some((one, index) => {
       const other = points[index + 1];
@@ -193,7 +193,7 @@ export class RoutingLanes {
     return to - from + Math.max(0, this.#boxCost(lying, at, from, to, -1) + others);
   }
 
-  /** States around the ends of a line, those first that lie between them. */
+  /** States around the ends of a line, first those between the ends. */
   boxesNear(line: RouteRequest, most: number): readonly Box[] {
     const between = boxOf(line.start.at, line.goal.at);
     for (const part of [2, 1, 0.5, 0.1]) {
@@ -214,7 +214,7 @@ export class RoutingLanes {
     return [];
   }
 
-  /** Columns and rows through which a way may lead, those that make it short first. */
+  /** Columns and rows that a route may use, the shortest first. */
   channels(
     line: RouteRequest,
     from: Point,
@@ -236,7 +236,7 @@ export class RoutingLanes {
     return { columns: byDetour(columns, from.x, to.x), rows: byDetour(rows, from.y, to.y) };
   }
 
-  /** Boxes around and between the ends. */
+  /** Indices of the boxes around and between the ends. */
   #near(line: RouteRequest, from: Point, to: Point): readonly number[] {
     const area = {
       x: Math.min(from.x, to.x) - this.pace,
@@ -251,7 +251,7 @@ export class RoutingLanes {
     return found;
   }
 
-  /** The point after which a way runs longest without company. */
+  /** Index of the point before the longest piece without other lines beside it. */
   longestAlone(points: readonly Point[]): number {
     let [best, longest] = [0, -1];
     for (let index = 0; index + 1 < points.length; index++) {
@@ -287,10 +287,10 @@ function piece(at: number, one: number, other: number, group: string): Piece {
   return { at, from: Math.min(one, other), to: Math.max(one, other), group };
 }
 
-/** So many states say how large the others are. */
+/** Largest number of states that the typical size is computed from. */
 const SAMPLE = 256;
 
-/** A share of how large the states usually are. */
+/** Pace: a share of the median size of the states. */
 export function paceOf(boxes: readonly Box[], frame: Size): number {
   const every = Math.ceil(boxes.length / SAMPLE);
   const sides = boxes
@@ -306,7 +306,7 @@ function byDetour(channels: readonly number[], from: number, to: number): readon
   return [...new Set(channels)].sort((one, other) => detour(one) - detour(other));
 }
 
-/** How often a way turns on its heel. */
+/** Number of reversals in a route. */
 function turnsBack(points: readonly Point[]): number {
   let count = 0;
   for (let index = 1; index + 1 < points.length; index++) {
