@@ -1,5 +1,5 @@
-/** What is under a point of the view. What is too small to be drawn cannot be hit; areas are generous, but never larger than
- * half of the state that they belong to. Looks from the root inwards, only at what is near the point. */
+/** Hit test: finds the element under a point of the view. Elements too small to be drawn cannot be hit. Areas are generous, but
+ * at most half the size of their state. The search goes from the root inwards, and visits only elements near the point. */
 
 import { elementOf, keyOf } from "../../model/element.ts";
 import { type Box, contains, distance, type Point } from "../../model/geometry.ts";
@@ -23,12 +23,12 @@ interface Search {
   readonly machine: Machine;
   readonly look: CanvasLook;
   readonly camera: Camera;
-  /** In CSS pixels of the view. */
+  /** Point in CSS pixels of the view. */
   readonly point: Point;
   readonly tolerance: number;
 }
 
-/** What is at this point of the view, given in CSS pixels; `tolerance` is how far one may miss it. */
+/** Element at this point of the view, which is in CSS pixels; `tolerance` is the largest distance of a hit. */
 export function hitAt(
   layout: LayoutTree,
   machine: Machine,
@@ -53,7 +53,7 @@ export function hitAt(
   );
 }
 
-/** The states that the point is in, from the root to the innermost one that is drawn. */
+/** States that contain the point, from the root to the innermost one that is drawn. */
 export function statesAt(
   layout: LayoutTree,
   machine: Machine,
@@ -94,7 +94,7 @@ function isNear(camera: Camera, box: Box, point: Point, reach: number): boolean 
   );
 }
 
-/** States whose border may be within reach: those around the point, and their children beside it. */
+/** States with a border that may be within reach: those around the point, and their children beside it. */
 function nearStates(search: Search, line: readonly string[]): readonly string[] {
   const { layout, machine, camera, point, tolerance } = search;
   const near = new Set<string>(line);
@@ -113,7 +113,7 @@ function extentOf({ layout, camera }: Search, path: string): number {
   return box ? extentOn(camera, box) : 0;
 }
 
-/** Ports of the container that fills the view, in the frame at the view's edges. */
+/** Port of the container that fills the view, in the frame at the view's edges. */
 function stuckHit({ layout, camera, look, point, tolerance }: Search): CanvasHit | null {
   const frame = stickyFrame(layout, camera, look.size);
   const found = frame?.ports.find(({ at }) => distance(at, point) <= tolerance * 1.5);
@@ -122,7 +122,7 @@ function stuckHit({ layout, camera, look, point, tolerance }: Search): CanvasHit
   return { on: "port", element: element as CanvasPort, at: worldFromScreen(camera, found.at) };
 }
 
-/** The nearest port; of two as near the inner one. */
+/** Nearest port. At equal distance the inner one wins. */
 function portHit(search: Search, near: readonly string[]): CanvasHit | null {
   let best: { readonly path: string; readonly port: PortPlace; readonly away: number } | null =
     null;
@@ -141,7 +141,7 @@ function portHit(search: Search, near: readonly string[]): CanvasHit | null {
   return element && { on: "port", element: element as CanvasPort, at: best.port.at };
 }
 
-/** Where a breakpoint is set, on the border of a state: of the inner one, if there are several. */
+/** Breakpoint dot on the border of a state. If several are within reach, the inner one wins. */
 function breakpointHit(search: Search, near: readonly string[]): CanvasHit | null {
   const path = near.findLast((each) => {
     const box = search.layout.box(each);
@@ -151,14 +151,14 @@ function breakpointHit(search: Search, near: readonly string[]): CanvasHit | nul
   return path === undefined ? null : { on: "breakpoint", element: { kind: "state", path } };
 }
 
-/** Corners lie over ports where they are drawn, sides beside them. */
+/** Corners take precedence over ports; sides come after them. */
 const CORNER_REACH = 6;
 const SIDE_REACH = 4;
 
-/** Smaller states, in CSS pixels, are moved and not resized. */
+/** Smallest size of a state that can be resized, in CSS pixels. Smaller ones can only be moved. */
 const LEAST_FOR_GRIPS = 16;
 
-/** Corners or sides of selected states. */
+/** Corner or side of a selected state. */
 function gripHit(search: Search, part: "corner" | "side"): CanvasHit | null {
   for (const key of search.look.selection) {
     const element = elementOf(key);
@@ -172,7 +172,7 @@ function gripHit(search: Search, part: "corner" | "side"): CanvasHit | null {
   return null;
 }
 
-/** The corner or side of a box on the screen that is within reach. */
+/** Corner or side of a box on the screen that is within reach. */
 export function gripAt(box: Box, point: Point, reach = SIDE_REACH): Grip | null {
   const size = Math.min(box.width, box.height);
   if (size < LEAST_FOR_GRIPS) return null;
@@ -210,7 +210,7 @@ function endHit(search: Search): CanvasHit | null {
   return null;
 }
 
-/** The route of a connection, if it is drawn. */
+/** Route of a connection, if it is drawn. */
 export function routeOf(layout: LayoutTree, element: LineRef): Route | undefined {
   return layout
     .routes(element.path)
@@ -244,7 +244,7 @@ function middleHit(search: Search, route: Route, element: LineRef): CanvasHit | 
   return found ? { on: "middle", element, index: found.index } : null;
 }
 
-/** What is inside of the innermost state at the point: its lines, its name, itself. */
+/** Element inside the innermost state at the point: a line, the name, or the state itself. */
 function insideHit(search: Search, path: string): CanvasHit {
   const element = { kind: "state", path } as const;
   return lineHit(search, path) ?? nameHit(search, element) ?? { on: "state", element };
@@ -255,19 +255,19 @@ function outerLine(search: Search, line: readonly string[]): CanvasHit | null {
   return line.length > 0 ? null : lineHit(search, search.machine.root);
 }
 
-/** So few states are connected in no time, also if the picture has not done so yet. */
+/** Number of states up to which lines are found immediately, even if the picture does not have them yet. */
 const QUICKLY_ROUTED = 200;
 
-/** Finds the lines of a container if that is done at once; of others those can be hit that the picture has. */
+/** Finds the lines of a small container. In a larger one, only lines that the picture already has can be hit. */
 export function withLines(state: LayoutNode): LayoutNode {
   if (state.children.length <= QUICKLY_ROUTED) state.wire(() => true);
   return state;
 }
 
-/** Lines are missed by less than ports: there is much beside them that is meant. */
+/** Share of the tolerance that applies to lines. It is below 1 because many other targets are near lines. */
 const LINE_SHARE = 0.75;
 
-/** The nearest connection of a container. */
+/** Nearest connection of a container. */
 function lineHit(search: Search, path: string): CanvasHit | null {
   const frame = search.layout.frame(path);
   if (!frame || extentOf(search, path) < DETAIL.content) return null;
@@ -284,7 +284,7 @@ function lineHit(search: Search, path: string): CanvasHit | null {
   return best && onLine(search, (best as { readonly route: Route }).route);
 }
 
-/** The line itself, or what can be taken on it. */
+/** Line, or the waypoint or middle that can be dragged on it. */
 function onLine(search: Search, route: Route): CanvasHit {
   const element: LineRef = { kind: route.kind, path: route.path, id: route.id };
   const line = { on: "line", element } as const;
@@ -309,7 +309,7 @@ function nameHit(search: Search, element: StateRef): CanvasHit | null {
   return contains(area, search.point) ? { on: "name", element, corner: false } : null;
 }
 
-/** Where the name of a state is written, on the screen: at the top of large ones, in the middle of others. */
+/** Area of a state's name on the screen: at the top of large states, in the middle of others. */
 export function nameArea(on: Box, extent: number, isOpen: boolean): Box {
   const height = Math.min(on.height, 26);
   if (extent < DETAIL.labels && !(isOpen && extent >= DETAIL.content)) {

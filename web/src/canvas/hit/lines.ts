@@ -1,10 +1,10 @@
-/** Points near lines. */
+/** Distances of points from lines. */
 
 import { distance, type Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
 import type { Route } from "../layout.ts";
 
-/** How far a point of the view is from a line given in the root's coordinates, in CSS pixels. */
+/** Distance in CSS pixels between a point of the view and a line in the root's coordinates. */
 export function distanceToLine(points: readonly Point[], point: Point, camera: Camera): number {
   let best = Number.POSITIVE_INFINITY;
   let before: Point | undefined;
@@ -16,7 +16,7 @@ export function distanceToLine(points: readonly Point[], point: Point, camera: C
   return best;
 }
 
-/** The point between two that is nearest to a third. */
+/** Point on a line segment that is nearest to another point. */
 export function nearestOn(from: Point, to: Point, point: Point): Point {
   const [dx, dy] = [to.x - from.x, to.y - from.y];
   const length = dx * dx + dy * dy;
@@ -26,7 +26,7 @@ export function nearestOn(from: Point, to: Point, point: Point): Point {
   return { x: from.x + dx * kept, y: from.y + dy * kept };
 }
 
-/** Where a route can be taken to make a waypoint: the middle of each part that is not a mere stub at a port. */
+/** Points where dragging a route adds a waypoint: the middle of each part except the short stubs at ports. */
 export function middlesOf(route: Route): readonly { readonly at: Point; readonly index: number }[] {
   const whole = lengthOf(route.points);
   const found: { at: Point; index: number }[] = [];
@@ -40,7 +40,7 @@ export function middlesOf(route: Route): readonly { readonly at: Point; readonly
   return found;
 }
 
-/** The number that a waypoint gets which is made on the route where it is nearest to a point of the view. */
+/** Index of a new waypoint on the part of the route that is nearest to a point of the view. */
 export function nearestPart(route: Route, point: Point, camera: Camera): number {
   let [best, least, index] = [0, Number.POSITIVE_INFINITY, 0];
   for (let corner = 0; corner + 1 < route.points.length; corner++) {

@@ -1,10 +1,10 @@
-/** What can be hit, and how the machine is looked at meanwhile. */
+/** Result of the hit test, and the state of the view that it depends on. */
 
 import type { ElementRef } from "../../model/element.ts";
 import type { Point, Size } from "../../model/geometry.ts";
 import type { ViewModes } from "../../store/page/view.ts";
 
-/** A side or corner of a box, as compasses and cursors name it. */
+/** Side or corner of a box, named by compass direction. */
 export type Grip = "n" | "ne" | "e" | "se" | "s" | "sw" | "w" | "nw";
 
 export interface StateRef {
@@ -27,27 +27,27 @@ export type CanvasPort =
     };
 
 export type CanvasHit =
-  /** Where a selected state is taken to be resized. */
+  /** Side or corner that resizes a selected state. */
   | { readonly on: "grip"; readonly element: StateRef; readonly grip: Grip }
   | { readonly on: "port"; readonly element: CanvasPort; readonly at: Point }
-  /** The end of a selected connection. */
+  /** End of a selected connection. */
   | { readonly on: "end"; readonly element: LineRef; readonly end: "from" | "to" }
-  /** A waypoint of a connection, by its number. */
+  /** Waypoint of a connection, by its index. */
   | { readonly on: "waypoint"; readonly element: LineRef; readonly index: number }
-  /** The middle of a part of a connection: a waypoint made there gets this number. */
+  /** Middle of a part of a connection. `index` is that of a waypoint added here. */
   | { readonly on: "middle"; readonly element: LineRef; readonly index: number }
   | { readonly on: "line"; readonly element: LineRef }
-  /** Where a click sets a breakpoint of the state, or takes it away. */
+  /** Dot that toggles the breakpoint of the state. */
   | { readonly on: "breakpoint"; readonly element: StateRef }
-  /** The name of a state; of a selected one also the corner by which its box is resized. */
+  /** Name of a state. `corner` marks the corner that resizes the box of a selected state's name. */
   | { readonly on: "name"; readonly element: StateRef; readonly corner: boolean }
   | { readonly on: "state"; readonly element: StateRef };
 
-/** How the machine is looked at. */
+/** State of the view that affects visibility. */
 export interface CanvasLook {
   readonly selection: ReadonlySet<string>;
   readonly hovered: ElementRef | null;
   readonly modes: ViewModes;
-  /** Of the view, in CSS pixels. */
+  /** Size of the view, in CSS pixels. */
   readonly size: Size;
 }

@@ -1,11 +1,11 @@
-/** What of a state's inside is near a place, without a look at all of it. */
+/** Queries for children near an area, without a scan of all children. */
 
 import type { Box, Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
 import { worldFromScreen } from "../camera.ts";
 import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
 
-/** The children that a box of the root's coordinates touches, in the order in which they are drawn. */
+/** Children that a box in the root's coordinates touches, in drawing order. */
 export function childrenIn(layout: LayoutTree, path: string, area: Box): readonly string[] {
   const frame = layout.frame(path);
   const found: string[] = [];
@@ -13,7 +13,7 @@ export function childrenIn(layout: LayoutTree, path: string, area: Box): readonl
   return found;
 }
 
-/** A box of the root's coordinates in those inside a state. */
+/** Converts a box from the root's coordinates to those inside a state. */
 export function inFrame(frame: NodeFrame, area: Box): Box {
   return {
     x: (area.x - frame.x) / frame.unit,
@@ -23,7 +23,7 @@ export function inFrame(frame: NodeFrame, area: Box): Box {
   };
 }
 
-/** What is within reach of a point of the view, both in CSS pixels, in the root's coordinates. */
+/** Box around a point of the view, in the root's coordinates. Point and reach are in CSS pixels. */
 export function reachOf(camera: Camera, point: Point, reach: number): Box {
   const at = worldFromScreen(camera, point);
   const around = reach / camera.scale;

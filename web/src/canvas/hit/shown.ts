@@ -1,4 +1,4 @@
-/** What is drawn, as far as it can be hit. */
+/** Visibility of ports and connections, for the hit test. */
 
 import { elementOf, keyOf } from "../../model/element.ts";
 import type { Size } from "../../model/geometry.ts";
@@ -16,7 +16,7 @@ import type { Route } from "../layout.ts";
 import { extent } from "../scene/detail.ts";
 import type { CanvasLook } from "./look.ts";
 
-/** How large a box of the root's coordinates is on the screen, as `scene` counts it. */
+/** Size on the screen of a box in the root's coordinates, by the measure of `scene`. */
 export function extentOn(camera: Camera, { width, height }: Size): number {
   return extent({ width: width * camera.scale, height: height * camera.scale });
 }
@@ -26,7 +26,8 @@ interface Shown {
   readonly look: CanvasLook;
 }
 
-/** Whether a port is drawn: aborted and preempted hide while nothing is connected to them and nobody looks at the state. */
+/** True if a port is drawn. Aborted and preempted are hidden while they have no connection and their state is neither hovered nor
+ * selected. */
 export function isPortShown(port: PortPlace, path: string, { machine, look }: Shown): boolean {
   const isQuiet = port.kind === "outcome" && (port.id === ABORTED || port.id === PREEMPTED);
   if (!isQuiet || look.modes.aborted) return true;
@@ -50,7 +51,7 @@ function hasTransition(machine: Machine, path: string, outcome: number): boolean
   return leaves || (!!state && transitionsOf(state).some((one) => one.to_outcome === outcome));
 }
 
-/** Whether a connection is drawn in the current mode, and not only while the pointer is over one of its ends. */
+/** True if a connection is drawn in the current mode, and not only while one of its ends is hovered. */
 export function isRouteShown(route: Route, { machine, look }: Shown): boolean {
   if (look.selection.has(keyOf(route))) return true;
   if (route.kind === "transition") return look.modes.transitions;

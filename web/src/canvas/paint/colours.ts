@@ -1,4 +1,4 @@
-/** The colours of the canvas: names of inks, as the theme has them. */
+/** Colours of the canvas: maps the names of inks to the colours of the theme. */
 
 import { HEAT_LEVELS } from "../scene/input.ts";
 
@@ -58,7 +58,7 @@ const VARIABLES: Readonly<Record<string, string>> = {
 
 const DEPTHS = 10;
 
-/** The colours as the styles of an element have them now. */
+/** Colours as in the current styles of an element. */
 export function coloursOf(element: Element): Colours {
   const style = getComputedStyle(element);
   const colours: Record<string, string> = {};
@@ -78,12 +78,12 @@ export function coloursOf(element: Element): Colours {
   return colours;
 }
 
-/** The ground of states by depth: from one `#rrggbb` towards another, in smaller and smaller steps. */
+/** Background of states by depth: from one `#rrggbb` towards another, in decreasing steps. */
 export function shades(outer: string, inner: string): readonly string[] {
   return Array.from({ length: DEPTHS }, (_, depth) => mixed(outer, inner, 1 - 0.72 ** depth));
 }
 
-/** So much of the way from one `#rrggbb` to another. */
+/** Colour between two `#rrggbb`; `part` is from 0 to 1. */
 function mixed(outer: string, inner: string, part: number): string {
   const [from, to] = [rgb(outer), rgb(inner)];
   const colour = from.map((value, index) =>

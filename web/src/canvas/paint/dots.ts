@@ -43,7 +43,7 @@ function trace(context: PaintContext, { shape, x, y, toX, toY }: DotMark, half: 
   }
 }
 
-/** A triangle on the border that points the way. */
+/** Triangle on the border that points in the direction of the port. */
 function arrow(
   context: PaintContext,
   x: number,

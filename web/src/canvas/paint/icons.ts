@@ -1,13 +1,13 @@
-/** Small signs, drawn with a few strokes: what a state is, and what there is to know about it. */
+/** Small icons made of a few strokes: kinds and conditions of states. */
 
 import type { Icon, IconMark } from "../scene/list.ts";
 import type { PaintContext } from "./ink.ts";
 
-/** In a square from -1 to 1. `fill` are areas, `stroke` are lines, each a list of x and y in turn. */
+/** Shape in a square from -1 to 1. `fill` has areas and `stroke` has lines, each as a list of alternating x and y. */
 interface Sign {
   readonly fill?: readonly (readonly number[])[];
   readonly stroke?: readonly (readonly number[])[];
-  /** A circle around it. */
+  /** True for a circle around the icon. */
   readonly ring?: boolean;
 }
 

@@ -1,10 +1,10 @@
-/** What all painters share. */
+/** Definitions shared by all painters. */
 
 import type { Colours } from "./colours.ts";
 
 export type PaintContext = CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D;
 
-/** The colour of an ink: its name's, or itself. */
+/** Colour of a named ink. An ink without a name is a colour itself. */
 export function inkOf(colours: Colours, ink: string): string {
   return colours[ink] ?? ink;
 }

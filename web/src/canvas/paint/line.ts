@@ -1,9 +1,9 @@
-/** The way of a line with round corners, and the head of its arrow. */
+/** Path of a line with round corners, and its arrow head. */
 
 import type { LineMark } from "../scene/list.ts";
 import type { PaintContext } from "./ink.ts";
 
-/** Adds the line to the path. */
+/** Adds the line to the path of the context. */
 export function paintLine(context: PaintContext, { points, radius, curve, arrow }: LineMark): void {
   const last = points.length - 2;
   context.moveTo(points[0] ?? 0, points[1] ?? 0);
@@ -16,7 +16,7 @@ export function paintLine(context: PaintContext, { points, radius, curve, arrow 
   if (arrow > 0) head(context, points, arrow);
 }
 
-/** From the middle of one piece to that of the next. */
+/** Curve from the middle of one piece to that of the next. */
 function bend(context: PaintContext, points: readonly number[], at: number): void {
   const [x, y] = [points[at] ?? 0, points[at + 1] ?? 0];
   const [afterX, afterY] = [points[at + 2] ?? x, points[at + 3] ?? y];

@@ -1,13 +1,13 @@
-/** How wide texts are: measured once, then remembered. */
+/** Widths of texts, measured once and then cached. */
 
 import type { Measure } from "../scene/input.ts";
 import type { PaintContext } from "./ink.ts";
 import { fontOf, LETTERS_MAX } from "./texts.ts";
 
-/** So many texts are remembered; then it begins anew. */
+/** Capacity of the cache per font. A full cache is cleared. */
 const MOST = 20_000;
 
-/** Measures with this context; to be made anew when fonts have come. */
+/** Measures with the font of this context. Create it anew after fonts have loaded. */
 export function measureWith(context: PaintContext): Measure {
   const known = new Map<string, Map<string, number>>();
   return (whole, size, bold) => {

@@ -1,4 +1,4 @@
-/** Paints a list of marks, and decides nothing. Marks of one look are painted together: that is what makes it quick. */
+/** Paints a list of marks without any decision about content. Marks of one style are painted together, for speed. */
 
 import type { BoxMark, DotMark, DrawList, Layer, LineMark } from "../scene/list.ts";
 import type { Colours } from "./colours.ts";
@@ -8,7 +8,7 @@ import { inkOf, type PaintContext } from "./ink.ts";
 import { paintLine } from "./line.ts";
 import { paintTexts } from "./texts.ts";
 
-/** Paints upon what is there; CSS pixels are the unit of the context. */
+/** Paints on top of the current picture; CSS pixels are the unit of the context. */
 export function paint(context: PaintContext, list: DrawList, colours: Colours): void {
   for (const layer of list.layers) paintShapes(context, layer, colours);
   for (const layer of list.layers) {
@@ -56,7 +56,7 @@ function paintBoxes(context: PaintContext, boxes: readonly BoxMark[], colours: C
   }
 }
 
-/** A small box: an outline that is a larger box below is by far the quickest. */
+/** Small box. An outline drawn as a larger box below it is by far the fastest. */
 function paintSquare(context: PaintContext, box: BoxMark, colours: Colours): void {
   const { x, y, width, height, line } = box;
   if (box.fill === null || box.dash) {
@@ -104,7 +104,7 @@ function strokeStyle(context: PaintContext, box: BoxMark, colours: Colours): voi
   if (box.dash) context.setLineDash(DASHED);
 }
 
-/** Lines of one look are one path. */
+/** Joins lines of one style into one path. */
 function paintLines(context: PaintContext, lines: readonly LineMark[], colours: Colours): void {
   if (lines.length === 0) return;
   context.lineJoin = "round";

@@ -6,10 +6,10 @@ import { inkOf, type PaintContext } from "./ink.ts";
 
 const FAMILY = '"Inter Variable", system-ui, sans-serif';
 
-/** Letters of a text that are measured and painted: nobody sees more. */
+/** Characters of a text that are measured and painted. More would not be visible. */
 export const LETTERS_MAX = 2_000;
 
-/** The font of a text on the canvas. */
+/** Font of a text on the canvas. */
 export function fontOf(size: number, bold: boolean): string {
   return `${bold ? 600 : 450} ${size}px ${FAMILY}`;
 }
@@ -32,7 +32,7 @@ export function paintTexts(
       context.textAlign = text.align;
       align = text.align;
     }
-    // A plate that one can see through would half erase what lies below it.
+    // Plates are opaque: a transparent one would half erase the marks below it.
     context.globalAlpha = 1;
     if (text.plate !== null) paintPlate(context, text, inkOf(colours, text.plate));
     context.globalAlpha = text.alpha;

@@ -1,4 +1,5 @@
-/** Breakpoints on the canvas: a dot on the border, hollow if it is off; a pale one under the pointer says where to click. */
+/** Breakpoints on the canvas: a dot on the border, hollow if it is disabled. A pale dot on a hovered state shows where a click
+ * sets one. */
 
 import { breakpointSpot } from "../breakpoint_spot.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";

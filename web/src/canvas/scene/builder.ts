@@ -1,4 +1,4 @@
-/** The builder of a scene: what is given, what has been found so far, and small things that all parts of the scene need. */
+/** Builder of a scene: its input, its result until now, and helpers that all parts of the scene need. */
 
 import type { ElementKey } from "../../model/element.ts";
 import { elementOf } from "../../model/element.ts";
@@ -9,18 +9,18 @@ import type { Label, SignGroup } from "./labels.ts";
 import { type Layer, newLayer, type TextMark } from "./list.ts";
 import { litBy } from "./lit.ts";
 
-/** A state on its way to the screen. */
+/** A state with its place on the screen. */
 export interface SceneNode {
   readonly at: LayoutNode;
-  /** Its left top corner and size in CSS pixels. */
+  /** Upper left corner and size, in CSS pixels. */
   readonly x: number;
   readonly y: number;
   readonly width: number;
   readonly height: number;
-  /** CSS pixels for one of its own units. */
+  /** CSS pixels per unit inside the state. */
   readonly scale: number;
   readonly depth: number;
-  /** The size that decides about detail. */
+  /** Size that selects the level of detail. */
   readonly extent: number;
   readonly outer: SceneNode | null;
 }
@@ -31,26 +31,26 @@ export class SceneBuilder {
   readonly wanted: string[] = [];
   readonly soon: LayoutNode[] = [];
   readonly lit: ReadonlySet<ElementKey>;
-  /** States that somebody looks at closely: selected, hovered, or with a selected part. */
+  /** States in the focus of the user: selected, hovered, or with a selected part. */
   readonly focused: ReadonlySet<string>;
   readonly onlookers = new Map<string, number>();
-  /** Plates of names of containers, which other names keep away from. */
+  /** Plates of container names, which other names avoid. */
   readonly plates: Box[] = [];
-  /** Signs and names of people that keep off the names of states. */
+  /** Signs and names of people, which avoid the names of states. */
   readonly signs: SignGroup[] = [];
-  /** Names of ports, and labels of connections, that would be good to have. */
+  /** Optional names of ports and labels of connections. */
   readonly portNames: TextMark[] = [];
-  /** Names of ports of small states, where all else leaves room. */
+  /** Names of ports of small states. They have the lowest priority. */
   readonly smallPortNames: TextMark[] = [];
   readonly labels: Label[] = [];
   readonly width: number;
   readonly height: number;
-  /** The innermost state whose border is nowhere in the view. */
+  /** The innermost state that covers the view, with its whole border outside. */
   covering: SceneNode | null = null;
-  /** So many layers higher is drawn what a gesture holds: above all else. */
+  /** Number of layers that the states of a gesture are raised by, to lie above all others. */
   lift = 0;
   unfinished = false;
-  /** The value at the port under the pointer, which is told in full. */
+  /** Value at the port under the pointer, shown in full. */
   pointed: { readonly x: number; readonly y: number; readonly text: string } | null = null;
 
   constructor(input: SceneInput) {
@@ -64,12 +64,12 @@ export class SceneBuilder {
     });
   }
 
-  /** The layer of the states of this depth. */
+  /** Layer of the states at this depth. */
   layer(depth: number): Layer {
     return this.#at(depth + this.lift);
   }
 
-  /** A new layer above all that is there. */
+  /** Adds a layer above all others. */
   top(): Layer {
     return this.#at(this.layers.length);
   }
@@ -79,7 +79,7 @@ export class SceneBuilder {
     return this.layers[index] as Layer;
   }
 
-  /** Whether any of a box can be seen, with so much around it. */
+  /** True if any part of a box is in the view, extended by a margin. */
   sees(x: number, y: number, width: number, height: number, around: number): boolean {
     return (
       x < this.width + around &&
@@ -89,7 +89,7 @@ export class SceneBuilder {
     );
   }
 
-  /** What can be seen, with so much around it, in the coordinates of a state. */
+  /** Visible area with a margin, in the coordinates of a state. */
   area(node: SceneNode, around: number): Box {
     return {
       x: (-around - node.x) / node.scale,
@@ -99,7 +99,7 @@ export class SceneBuilder {
     };
   }
 
-  /** Whether nothing of the state's border is in the view. */
+  /** True if the state covers the view, with its whole border outside. */
   isCoveredBy({ x, y, width, height }: SceneNode): boolean {
     return x < 0 && y < 0 && x + width > this.width && y + height > this.height;
   }
@@ -123,10 +123,10 @@ function focusedBy({ selection, hovered }: SceneInput): ReadonlySet<string> {
   return paths;
 }
 
-/** The ink of the ground of a state, by depth. */
+/** Background colour of a state, by depth. */
 export function shade(depth: number): string {
   return SHADES[Math.min(depth, SHADES.length - 1)] ?? "shade0";
 }
 
-/** So many depths are told apart. */
+/** Background colours by depth. Deeper states use the last one. */
 const SHADES = Array.from({ length: 10 }, (_, depth) => `shade${depth}`);

@@ -1,5 +1,5 @@
-/** Connections inside a container: transitions with arrow heads and, where there is room, the outcome's name; data flows as a
- * thinner layer below. */
+/** Connections inside a container: transitions with arrow heads and, where there is room, the name of the outcome; data flows as
+ * a thinner layer below. */
 
 import type { ElementKey } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
@@ -13,10 +13,10 @@ import type { Ink, LineMark } from "./list.ts";
 import { groundInk } from "./ring.ts";
 import { faded } from "./runs.ts";
 
-/** The part of a line that is near the view is drawn: nothing is so many pixels beyond it. */
+/** Margin around the view in which lines are drawn, in CSS pixels. */
 const BEYOND = 30;
 
-/** `inside` is the layer of the children. */
+/** Adds the connections between the children. If routing is incomplete, known lines are drawn and another frame is requested. */
 export function connectionMarks(builder: SceneBuilder, node: SceneNode): void {
   const alpha = fade(node.extent, DETAIL.content);
   if (alpha === 0) return;
@@ -45,13 +45,13 @@ function lineMarks(builder: SceneBuilder, node: SceneNode, line: RoutedLine, alp
 interface LineLook {
   readonly ink: Ink;
   readonly width: number;
-  /** Whether somebody has picked it out. */
+  /** True if the line is emphasized: selected, lit, different, or next in the run. */
   readonly loud: boolean;
   readonly dash?: boolean;
   readonly alpha?: number;
 }
 
-/** How a transition looks that a run took lately, or takes next. */
+/** Style of a transition that the run took recently or takes next. */
 function lookOfRun({ isNext, age }: LineMarkOfRun): LineLook {
   if (isNext) return { ink: "held", width: 2.75, loud: true, dash: true };
   const ink = age === 0 ? "running" : "trail";
@@ -75,15 +75,15 @@ function lookOf(builder: SceneBuilder, line: RoutedLine): LineLook {
   return { ink: "line", width: isStart(line) ? 2.2 : 1.4, loud: false };
 }
 
-/** Whether it says where the container begins. */
+/** True for the start transition of the container. */
 function isStart({ kind, label }: RoutedLine): boolean {
   return kind === "transition" && label === "";
 }
 
-/** States smaller than this, in CSS pixels, show no more than a line that leads to them. */
+/** Smallest state that shows more than a line to it, in CSS pixels. */
 const LEAST_FOR_START = 24;
 
-/** A dot a little inside of the income: here it begins. */
+/** Dot slightly inside the income. It marks the start of the container. */
 function startMark(
   builder: SceneBuilder,
   node: SceneNode,
@@ -151,26 +151,26 @@ function lineMark(
   };
 }
 
-/** Of a short curve every fourth point is enough. */
+/** Step between the points that are drawn. Every fourth point suffices for a short curve. */
 function stepOf(node: SceneNode, { kind, waypoints, box, points }: RoutedLine): number {
   if (kind === "transition" || waypoints.length > 0 || points.length % 4 !== 1) return 1;
   return Math.max(box.width, box.height) * node.scale < 90 ? 4 : 1;
 }
 
-/** How large the state is that the line leads to; of the container's own end the one that it comes from. */
+/** Size of the target state on the screen. If the line ends at the container, size of the source state. */
 function sizeOfEnd(node: SceneNode, line: RoutedLine): number {
   const child = node.at.child(line.toPath) ?? node.at.child(line.fromPath);
   if (!child) return 0;
   return extent({ width: child.box.width * node.scale, height: child.box.height * node.scale });
 }
 
-/** Where ports are drawn they are the arrow heads; where boxes are tiny there is no room for any. */
+/** Length of the arrow head; 0 if a port is drawn in its place, or if the box is too small. */
 function arrowOf(node: SceneNode, line: RoutedLine, size: number): number {
   if (size >= DETAIL.ports || size < 16 || line.toPath === node.at.path) return 0;
   return Math.min(7, size * 0.2);
 }
 
-/** The outcome's name in the middle of the piece where the line runs longest, if it fits there. */
+/** Name of the outcome in the middle of the longest piece of the line without others beside it, if it fits. */
 function labelMark(
   builder: SceneBuilder,
   node: SceneNode,
@@ -204,7 +204,7 @@ function labelMark(
 /** Half the height of a label, in CSS pixels. */
 const HALF = 7;
 
-/** Whether a text of this width lies beside all states inside. */
+/** True if a text of this width covers no state inside. */
 export function isClear(node: SceneNode, at: Point, width: number, around = NO_PLATE): boolean {
   let clear = true;
   node.at.eachChild(areaOf(node, at, width, around), () => {
@@ -213,7 +213,7 @@ export function isClear(node: SceneNode, at: Point, width: number, around = NO_P
   return clear;
 }
 
-/** Whether no transition runs through a text of this width and its plate. */
+/** True if no transition runs through a text of this width and its plate. */
 export function isOffLines(node: SceneNode, at: Point, width: number): boolean {
   const area = areaOf(node, at, width, PLATE);
   let isOff = true;
@@ -227,7 +227,7 @@ export function isOffLines(node: SceneNode, at: Point, width: number): boolean {
   return isOff;
 }
 
-/** How much farther the plate behind a text reaches, and a little more, in CSS pixels. */
+/** Margins of the plate behind a text, with some extra space, in CSS pixels. */
 export const PLATE = { beside: 5, above: 2 };
 const NO_PLATE = { beside: 0, above: 0 };
 
@@ -246,7 +246,7 @@ function boxOf(from: Point, to: Point): Box {
   return { x, y, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y) };
 }
 
-/** The middle of the piece that is best, or else of the first lying one that is long enough and has room. */
+/** Middle of the best piece; otherwise of the first horizontal piece with enough length and room. */
 function labelPlace(
   points: readonly number[],
   best: number,
@@ -273,7 +273,8 @@ function middleOf(points: readonly number[], index: number, width: number) {
   return { lying, at: { x: (fromX + toX) / 2, y: (fromY + toY) / 2 } };
 }
 
-/** Labels come with the states that their lines leave, and go where these show the names of their outcomes. */
+/** Opacity of a label. Labels appear with the states that their lines leave, and disappear when these show the names of their
+ * outcomes. */
 function labelAlpha(node: SceneNode, line: RoutedLine): number {
   const child = node.at.child(line.fromPath);
   if (!child) return 0;
@@ -287,7 +288,7 @@ const LABEL_INKS: Readonly<Record<string, Ink>> = {
   "preempted-line": "preempted",
 };
 
-/** Where a selected connection can be taken: its ends, its waypoints, and the middles of its pieces. */
+/** Handles of a selected connection: its ends, its waypoints, and the middles of its pieces. */
 function waypointMarks(builder: SceneBuilder, node: SceneNode, line: RoutedLine): void {
   const layer = builder.layer(node.depth + 2);
   const put = (index: number, shape: "waypoint" | "handle") => {

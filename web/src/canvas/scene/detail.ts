@@ -1,37 +1,37 @@
-/** How much of a state is drawn, by its size on the screen: the one table that says so. */
+/** Levels of detail of a state by its size on the screen. No other file defines them. */
 
 import type { Size } from "../../model/geometry.ts";
 
-/** From this size on, in CSS pixels. */
+/** Smallest sizes that show a detail, in CSS pixels. */
 export const DETAIL = {
-  /** A box of its own; smaller ones are specks. */
+  /** A box; smaller states are specks. */
   box: 6,
-  /** Its name, and what is worth a badge. */
+  /** Name and badges. */
   name: 24,
   /** Ports as dots. */
   ports: 72,
-  /** What stands inside, as far as that is large enough itself, with transitions between. Before, that is a texture. */
+  /** Large enough children, with the transitions between them. Smaller containers show a texture. */
   content: 120,
-  /** Lines between smaller states would be a tangle. */
+  /** Lines between the children. Between smaller ones they would be a tangle. */
   tangle: 11,
-  /** Labels of connections, by the size of the state that they come from. */
+  /** Labels of connections, by the size of the state at their start. */
   lines: 54,
   /** Names of ports and outcomes. */
   labels: 240,
 } as const;
 
-/** A speck is drawn from this size on. */
+/** Smallest size of a speck, in CSS pixels. */
 export const SPECK = 1.2;
 
-/** Text on the screen has one of these sizes. */
+/** Font sizes on the canvas, in CSS pixels. */
 export const TEXT = { small: 11, usual: 12.5, large: 15 } as const;
 
-/** The size that counts: the shorter side, for long states somewhat more. */
+/** Effective size of a state: the shorter side, or somewhat more for long states. */
 export function extent({ width, height }: Size): number {
   return Math.min(Math.sqrt(width * height), 2.5 * Math.min(width, height));
 }
 
-/** From the better half at `from` to all of it a little later: what is there can be read. */
+/** Opacity from 0.6 at `from` to 1 at a slightly larger size, so that the detail is always readable. */
 export function fade(size: number, from: number): number {
   if (size < from) return 0;
   return Math.min(1, 0.6 + (size - from) / (from * 0.15));

@@ -1,4 +1,4 @@
-/** What a gesture shows before it is done: guides, the rubber band, the line that is drawn, where things would go, and why not. */
+/** Preview of a gesture: guides, the rubber band, the line that is drawn, the future boxes, and the reason of a refusal. */
 
 import { elementOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
@@ -59,7 +59,7 @@ function outline(box: Box, what: string, ink: string, dash: boolean): BoxMark {
   return { ...box, what, radius: 4, fill: null, stroke: ink, line: 1.5, dash, alpha: 1 };
 }
 
-/** States where a connection may end; ports are marked where they are drawn. */
+/** Marks a state where a connection may end. Ports are marked where they are drawn. */
 function stateTarget(builder: SceneBuilder, layer: Layer, key: string, legal: boolean): void {
   const element = elementOf(key);
   if (element?.kind !== "state") return;
@@ -69,7 +69,7 @@ function stateTarget(builder: SceneBuilder, layer: Layer, key: string, legal: bo
   layer.boxes.push(outline(screenBox(builder.input.camera, box), `${key} target`, ink, !legal));
 }
 
-/** The container, or the transition, that would take what is dropped. */
+/** Marks the container or transition that would accept the drop. */
 function dropMarks(builder: SceneBuilder, layer: Layer, key: string): void {
   const element = elementOf(key);
   const frame = element && builder.input.layout.frame(element.path);
@@ -92,7 +92,7 @@ function dropMarks(builder: SceneBuilder, layer: Layer, key: string): void {
 
 const MESSAGE = { width: 360, rows: 4, pitch: 17, inset: 8 };
 
-/** What is said at the pointer, on a plate that stands out from the picture. */
+/** Message at the pointer, on an opaque plate. */
 function messageMarks(builder: SceneBuilder, layer: Layer): void {
   const { overlay, measure } = builder.input;
   if (!overlay.message) return;

@@ -1,4 +1,4 @@
-/** All that a picture is made from. */
+/** Input of a picture. */
 
 import type { ElementKey, ElementRef } from "../../model/element.ts";
 import type { Severity } from "../../model/generated/protocol.ts";
@@ -8,72 +8,71 @@ import type { LineMarkOfRun, RunMark } from "../../store/run/marks.ts";
 import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 
-/** How a part differs from the machine that it is compared with. */
+/** Kind of difference between a part and the machine that it is compared with. */
 export type DifferenceKind = "added" | "removed" | "changed";
 
-/** A value at a port. */
+/** Value at a port. */
 export interface ValueChip {
-  /** In a few letters. */
+  /** Abbreviated value. */
   readonly short: string;
-  /** As much of it as can be shown at all. */
+  /** Full value, cut only at the limit of what can be shown. */
   readonly full: string;
 }
 
-/** How hot states are, from 0 to `HEAT_LEVELS`, by path. */
+/** Heat of states from 0 to `HEAT_LEVELS`, by path. */
 export type Heat = ReadonlyMap<string, number>;
 
-/** So many shades of heat there are. */
+/** Number of shades of heat. */
 export const HEAT_LEVELS = 5;
 
-/** Somebody else who looks at the machine. */
+/** Another user who has the machine open. */
 export interface Onlooker {
   readonly name: string;
-  /** Which of the colours of people is theirs. */
+  /** Index of the user's colour. */
   readonly colour: number;
-  /** Paths of the states that they have selected. */
+  /** Paths of the states that the user has selected. */
   readonly selection: readonly string[];
 }
 
-/** How wide a text is, in CSS pixels. */
+/** Measures the width of a text, in CSS pixels. */
 export type Measure = (text: string, size: number, bold: boolean) => number;
 
 export interface SceneInput {
   readonly layout: LayoutTree;
   readonly camera: Camera;
-  /** Of the view, in CSS pixels. */
+  /** Size of the view, in CSS pixels. */
   readonly view: Size;
   readonly modes: ViewModes;
   readonly selection: ReadonlySet<ElementKey>;
   readonly hovered: ElementRef | null;
   readonly overlay: Overlay;
   readonly people: readonly Onlooker[];
-  /** The worst that is wrong with each state. */
+  /** Most severe problem of each state. */
   readonly problems: ReadonlyMap<string, Severity>;
   readonly differences: ReadonlyMap<ElementKey, DifferenceKind>;
-  /** What a search has found. */
+  /** Results of a search. */
   readonly hits: ReadonlySet<ElementKey>;
-  /** What states do in the run. */
+  /** Activity of states in the run. */
   readonly runs: ReadonlyMap<string, RunMark>;
-  /** Errors of the states that failed, which show while one points at them. */
+  /** Errors of failed states, shown while a state is hovered. */
   readonly errors: ReadonlyMap<string, string>;
-  /** Transitions that were taken lately or come next. */
+  /** Transitions that were taken recently or come next. */
   readonly taken: ReadonlyMap<ElementKey, LineMarkOfRun>;
-  /** How much later it is than the marks were said, in ms. */
+  /** Time since the snapshot of the marks, in ms. */
   readonly sinceSnapshot_ms: number;
-  /** How often a state was entered. */
+  /** Number of times that a state was entered. */
   readonly visits: (path: string) => number;
-  /** Values at ports. */
   readonly values: ReadonlyMap<ElementKey, ValueChip>;
-  /** Null while it is not shown. */
+  /** Null while heat is hidden. */
   readonly heat: Heat | null;
-  /** States with breakpoints: whether any of theirs is on. */
+  /** States with breakpoints: "on" if any breakpoint of the state is enabled. */
   readonly breakpoints: ReadonlyMap<string, "on" | "off">;
   readonly measure: Measure;
-  /** Whether there is time left to find the ways of another container's lines. */
+  /** True if time is left to route the lines of another container. */
   readonly mayRoute: () => boolean;
 }
 
-/** Nothing special about anything. */
+/** Input without selection, run or other highlights. */
 export const PLAIN = {
   selection: new Set<ElementKey>(),
   hovered: null,

@@ -1,17 +1,17 @@
-/** Names of ports and labels of connections where nothing else is written: the first that asks for a place has it. */
+/** Names of ports and labels of connections, placed where there is no other text. Earlier labels take precedence. */
 
 import type { SceneBuilder } from "./builder.ts";
 import type { IconMark, Layer, TextMark } from "./list.ts";
 
-/** How coarse the board is that remembers what is written where, in CSS pixels. */
+/** Cell size of the board that records occupied areas, in CSS pixels. */
 const CELL = 64;
 const HEIGHT = 14;
-/** Distance of equal labels in one row, on lines to one goal, up to which one of them is left out, in CSS pixels. */
+/** Distance below which equal labels in one row, on lines to one goal, are drawn only once, in CSS pixels. */
 const REPEATED = 200;
 
-/** A text that is written where nothing else is. */
+/** Text that is drawn only where there is no other text. */
 export interface Label extends TextMark {
-  /** The end of the labelled transition. */
+  /** Key of the end of the labelled transition. */
   readonly goal?: string;
 }
 
@@ -19,16 +19,16 @@ interface WrittenLabel extends LabelSpan {
   readonly label: Label;
 }
 
-/** Marks that belong together, at one of their places. */
+/** Marks that belong together, at one of their possible places. */
 export interface SignPlace {
   readonly texts: readonly TextMark[];
   readonly icons: readonly IconMark[];
 }
 
-/** Marks with several possible places, which keep off names. */
+/** Marks with several possible places, which avoid names. */
 export interface SignGroup {
   readonly layer: Layer;
-  /** The best first. */
+  /** Possible places, the best first. */
   readonly places: readonly SignPlace[];
 }
 
@@ -61,7 +61,7 @@ export function labelMarks(builder: SceneBuilder): void {
   }
 }
 
-/** Puts signs where they lie on no text; without such a place they are left out. */
+/** Puts signs at the first place without text; without such a place they are left out. */
 function putSigns(board: Map<number, LabelSpan[]>, { layer, places }: SignGroup): void {
   for (const { texts, icons } of places) {
     const areas = [...texts.map(textArea), ...icons.map(iconArea)];
@@ -77,7 +77,7 @@ function iconArea({ x, y, size }: IconMark): LabelSpan {
   return { left: x - size / 2, right: x + size / 2, y };
 }
 
-/** True if another line to this goal has the same label in this row. */
+/** True if another line to this goal has an equal label in this row. */
 function isRepeated(
   written: readonly WrittenLabel[],
   { text, goal }: Label,

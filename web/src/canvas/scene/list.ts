@@ -1,9 +1,8 @@
-/** What is to be painted: marks in CSS pixels of the view, layer upon layer. Inks are names; which colours they are only
- * `paint` knows. */
+/** Draw list: marks in CSS pixels of the view, layer by layer. Inks are names; only `paint` maps them to colours. */
 
 import type { LayoutNode } from "../layout_node.ts";
 
-/** A name of a colour, `shade0` … by depth, or a colour as CSS writes it. */
+/** Name of a colour, a shade by depth such as `shade0`, or a CSS colour. */
 export type Ink = string;
 
 export interface BoxMark {
@@ -22,15 +21,15 @@ export interface BoxMark {
 
 export interface LineMark {
   readonly what: string;
-  /** x and y in turn. */
+  /** Alternating x and y. */
   readonly points: readonly number[];
   readonly ink: Ink;
   readonly width: number;
-  /** How round the corners are. */
+  /** Radius of the corners. */
   readonly radius: number;
-  /** Whether the points are those of a curve. */
+  /** True if the points are those of a curve. */
   readonly curve: boolean;
-  /** How long the head of the arrow at the end is; 0: none. */
+  /** Length of the arrow head at the end; 0 for none. */
   readonly arrow: number;
   readonly dash: boolean;
   readonly alpha: number;
@@ -52,7 +51,7 @@ export interface DotMark {
   readonly x: number;
   readonly y: number;
   readonly size: number;
-  /** Where it points to. */
+  /** Direction in which the dot points. */
   readonly toX: number;
   readonly toY: number;
   readonly fill: Ink | null;
@@ -63,7 +62,7 @@ export interface DotMark {
 export interface TextMark {
   readonly what: string;
   readonly x: number;
-  /** Of the middle of the text's height. */
+  /** Vertical center of the text. */
   readonly y: number;
   readonly text: string;
   readonly size: number;
@@ -71,11 +70,11 @@ export interface TextMark {
   readonly ink: Ink;
   readonly align: "left" | "center" | "right";
   readonly alpha: number;
-  /** A plate behind it. */
+  /** Colour of the plate behind the text; null for no plate. */
   readonly plate: Ink | null;
-  /** How wide the text is; 0: not measured. */
+  /** Width of the text; 0 if not measured. */
   readonly width: number;
-  /** So much wider is the plate to the left. */
+  /** Additional width of the plate on the left. */
   readonly lead?: number;
 }
 
@@ -101,7 +100,7 @@ export type Icon =
 export interface IconMark {
   readonly what: string;
   readonly icon: Icon;
-  /** Of its middle. */
+  /** Center of the icon. */
   readonly x: number;
   readonly y: number;
   readonly size: number;
@@ -109,7 +108,7 @@ export interface IconMark {
   readonly alpha: number;
 }
 
-/** Marks that are painted kind after kind, in this order. */
+/** Marks that are painted in this order, one kind after another. */
 export interface Layer {
   readonly under: LineMark[];
   readonly specks: BoxMark[];
@@ -122,11 +121,11 @@ export interface Layer {
 
 export interface DrawList {
   readonly layers: readonly Layer[];
-  /** Library states whose content would show, were it here. */
+  /** Library states with visible but missing content. */
   readonly wanted: readonly string[];
-  /** Containers whose lines are not found yet, and will be needed with the next steps inwards. */
+  /** Containers with unrouted lines that will be visible after the next zoom step. */
   readonly soon: readonly LayoutNode[];
-  /** Whether something is missing that another frame will bring. */
+  /** True if something is missing that another frame will add. */
   readonly unfinished: boolean;
 }
 

@@ -1,4 +1,5 @@
-/** What lights up with what the pointer is on: where an outcome leads, all that a port feeds and is fed by, over every level. */
+/** Elements that light up with the hovered element: the target of an outcome, or all sources and targets of a port, across all
+ * levels. */
 
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { parentOf } from "../../model/path.ts";
@@ -7,7 +8,7 @@ import type { RoutedLine } from "../lines.ts";
 
 const NOTHING: ReadonlySet<ElementKey> = new Set();
 
-/** Keys of the ports, connections and states that belong to what is hovered. */
+/** Keys of the ports, connections and states that belong to the hovered element. */
 export function litBy(layout: LayoutTree, hovered: ElementRef | null): ReadonlySet<ElementKey> {
   switch (hovered?.kind) {
     case "outcome":
@@ -32,7 +33,7 @@ function alongLine(layout: LayoutTree, hovered: ElementRef): ReadonlySet<Element
   return new Set([key, line.from, ...onwards(layout, [line.to])]);
 }
 
-/** From an outcome to the state that runs next, out of as many containers as it takes. */
+/** From an outcome to the state that runs next, across any number of containers. */
 function onwards(layout: LayoutTree, from: readonly ElementKey[]): ReadonlySet<ElementKey> {
   const lit = new Set<ElementKey>();
   const open = [...from];
@@ -54,7 +55,7 @@ function linesFrom(layout: LayoutTree, port: ElementKey): readonly RoutedLine[] 
   return linesIn(layout, container).filter((line) => line.from === port);
 }
 
-/** Everything that data flows join with the port, in both directions. */
+/** All elements that data flows connect to the port, in both directions. */
 function throughout(layout: LayoutTree, port: ElementKey): ReadonlySet<ElementKey> {
   return new Set([...flowed(layout, port, "from", "to"), ...flowed(layout, port, "to", "from")]);
 }
@@ -79,7 +80,7 @@ function flowed(
   return lit;
 }
 
-/** Data flows of the two containers that a port belongs to: around its state, and inside it. */
+/** Data flows in the two containers of a port: around its state, and inside it. */
 function flowsAt(layout: LayoutTree, port: ElementKey): readonly RoutedLine[] {
   const path = elementOf(port)?.path;
   if (path === undefined) return [];

@@ -1,4 +1,4 @@
-/** Names of states: of a container on a plate at its top, of others in their middle; and the badges beside them. */
+/** Names of states: on a plate at the top of a container, in the middle of other states; with badges beside them. */
 
 import type { Box, Point, Size } from "../../model/geometry.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
@@ -10,7 +10,7 @@ import { cut, wrappedName } from "./words.ts";
 
 const BADGE = 12;
 
-/** `open` is a state whose content shows. */
+/** `open` is a state with visible content. */
 export function nameMarks(builder: SceneBuilder, node: SceneNode, open: boolean): void {
   const alpha = fade(node.extent, DETAIL.name);
   if (alpha === 0) return;
@@ -43,8 +43,8 @@ const KIND_ICONS: Readonly<Record<string, Icon>> = {
   decider: "decider",
 };
 
-/** Where a container's name stands: at its own place, inside the view, and clear of the names around it. Where there is little room
- * it gives way to them: it comes when one looks closer. */
+/** Name of a container on a plate: at its own position, inside the view, and without overlap with the names around it. Without
+ * enough room it is left out, until the user zooms in. */
 function plateMarks(
   builder: SceneBuilder,
   node: SceneNode,
@@ -81,7 +81,7 @@ function plateMarks(
   });
 }
 
-/** Room for what a run shows in the upper right corner. */
+/** Space for the signs of a run in the upper right corner. */
 const SIGNS = 34;
 
 function free(builder: SceneBuilder, node: SceneNode, { width, height }: Size): Point | null {
@@ -99,14 +99,14 @@ function free(builder: SceneBuilder, node: SceneNode, { width, height }: Size): 
     !builder.plates.some((plate) => meets(plate, at.x, at.y, width, height));
   const own = { x: left, y: top };
   if (fits(own)) return own;
-  // Elsewhere it lies on no state inside: it would be read as the name of that.
+  // Other places must cover no child: the name would appear to belong to the child.
   const isPlace = (at: Point) => fits(at) && isOnGround(node, at, { width, height });
   return (
     elsewhere(builder, own, { x: left, y: bottom - 2 }, { width, height }).find(isPlace) ?? null
   );
 }
 
-/** Places for a name whose own place is taken: beside the plates there, below them, and in the lower left. */
+/** Alternative places for a name: beside the plates at its own place, below them, and in the lower left. */
 function elsewhere(
   { plates }: SceneBuilder,
   own: Point,
@@ -197,7 +197,7 @@ function middleMarks(
   );
 }
 
-/** Below the names of states around that reach into this one. */
+/** Top of the free area below the names of outer states that reach into this one. */
 function freeFrom({ plates }: SceneBuilder, { x, y, width, height }: SceneNode): number {
   let top = y;
   for (const plate of plates) {

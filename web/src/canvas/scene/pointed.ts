@@ -1,4 +1,4 @@
-/** The value at the port under the pointer, as much of it as a few lines hold. */
+/** Value at the hovered port, cut to a few lines. */
 
 import type { SceneBuilder } from "./builder.ts";
 import { TEXT } from "./detail.ts";

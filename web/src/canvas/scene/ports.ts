@@ -1,4 +1,4 @@
-/** Ports on the border of a state: dots that point the way, and their names where there is room. */
+/** Ports on the border of a state: dots that show the direction, and their names where there is room. */
 
 import { keyOf } from "../../model/element.ts";
 import type { JsonValue, StateDocument } from "../../model/generated/protocol.ts";
@@ -14,7 +14,7 @@ import type { DotShape, Ink } from "./list.ts";
 import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
-/** Ports to which a transition leads or from which one starts. */
+/** Ports with a transition. */
 type ConnectedPorts = ReadonlySet<string>;
 
 export function portMarks(
@@ -47,7 +47,7 @@ export function portMarks(
     });
     if (port.kind === "income") continue;
     const place = { x, y, side, alpha: named, open, size };
-    // The name of a connected outcome is on the transition until it is here.
+    // The transition shows the name of a connected outcome until the port does.
     const isOnLine = port.kind === "outcome" && connected.has(port.key);
     if (named > 0) largeWords(builder, node, port, place, taken);
     else if (!isOnLine) smallWords(builder, node, port, { ...place, alpha }, taken);
@@ -76,7 +76,7 @@ function isShown(
   );
 }
 
-/** What colour a port has, and a line that begins there. */
+/** Colour of a port, and of a line that starts there. */
 export function portInk(port: Pick<PortPlace, "kind" | "id">): Ink {
   if (port.kind === "income") return "income";
   if (port.kind !== "outcome") return "data";
@@ -102,7 +102,7 @@ const OUT = {
   bottom: { toX: 0, toY: 1 },
 } as const;
 
-/** What comes in points inwards. */
+/** Direction of the dot: incomes and inputs point inwards. */
 function direction(
   port: PortPlace,
   side: PortSide,
@@ -111,7 +111,7 @@ function direction(
   return port.kind === "income" || port.kind === "input" ? { toX: -toX, toY: -toY } : { toX, toY };
 }
 
-/** Its name with the value, the name alone beside states inside; without names the value. */
+/** Name with the value, or the name alone beside states inside; with names hidden, the value. */
 function largeWords(
   builder: SceneBuilder,
   node: SceneNode,
@@ -128,7 +128,7 @@ function largeWords(
   if (text !== "") label(builder, node, port, { ...place, text, room }, taken);
 }
 
-/** The value of the run with the name if there is room for both; a name without a value only where all of it fits. */
+/** Name with the value of the run if both fit. A name without a value is drawn only if all of it fits. */
 function smallWords(
   builder: SceneBuilder,
   node: SceneNode,
@@ -149,7 +149,7 @@ function smallWords(
   }
 }
 
-/** The value at the port under the pointer, in full. */
+/** Full value at the hovered port. */
 function pointedWords(builder: SceneBuilder, port: PortPlace, { x, y }: WordsPlace): void {
   const chip = builder.input.values.get(port.key);
   if (chip && isHovered(builder, port)) builder.pointed = { x, y, text: chip.full };
@@ -173,7 +173,7 @@ function fitsWhole(
   return !open || isClear(node, { x, y: rowBelow(side, y, size) }, width, PLATE);
 }
 
-/** Whether a text lies beside all states inside: values are no reason to cover them. */
+/** True if a text covers no state inside. Values must not cover states. */
 function hasRoom(
   builder: SceneBuilder,
   node: SceneNode,
@@ -185,7 +185,7 @@ function hasRoom(
   return isClear(node, { x: side === "left" ? x + width / 2 : x - width / 2, y }, width);
 }
 
-/** Place of a port and of its words. */
+/** Place of a port and of its text. */
 interface WordsPlace {
   readonly x: number;
   readonly y: number;
@@ -197,9 +197,9 @@ interface WordsPlace {
 
 interface LabelPlace extends WordsPlace {
   readonly text: string;
-  /** A longer text is cut. */
+  /** Maximum width; longer texts are cut. */
   readonly room: number;
-  /** True if labels and names of larger states go first. */
+  /** True if labels and names of larger states take precedence. */
   readonly isSpare?: boolean;
 }
 
@@ -207,12 +207,12 @@ function isUpright(side: PortSide): boolean {
   return side === "left" || side === "right";
 }
 
-/** From the middle of a port to its words. */
+/** Distance between the center of a port and its text. */
 function awayFrom(size: number): number {
   return size / 2 + 5;
 }
 
-/** The row of words at a port in the upper or lower border. */
+/** Row of the text at a port in the upper or lower border. */
 function rowBelow(side: PortSide, y: number, size: number): number {
   const away = awayFrom(size) + 5;
   return side === "top" ? y + away : y - away;
@@ -220,7 +220,7 @@ function rowBelow(side: PortSide, y: number, size: number): number {
 
 const ROW = 14;
 
-/** The name inside the border; beside others only if there is a row free. */
+/** Name inside the border. Beside other names it needs a free row. */
 function label(
   builder: SceneBuilder,
   node: SceneNode,
@@ -269,10 +269,10 @@ function label(
   });
 }
 
-/** How far above or below its port a name stands that makes way for a line. */
+/** Vertical offsets that a name may take to avoid a line. */
 const ASIDE = [0, -12, 12, -20, 20];
 
-/** The height at which no transition runs through the name of a container's outcome: on a level with it, above or below. */
+/** Height at which no transition runs through the name of a container's outcome: level with the port, above or below. */
 function rowOf(
   builder: SceneBuilder,
   node: SceneNode,
@@ -290,23 +290,23 @@ function rowOf(
   return rows.find(isFree) ?? y;
 }
 
-/** So many letters of a value are shown. */
+/** Characters of a value that are shown. */
 const VALUE = 14;
 
-/** States from this size on, in CSS pixels, show the values at their ports, before there is room for names. */
+/** Smallest state that shows the values at its ports before there is room for names, in CSS pixels. */
 const CHIPS = 110;
 
 function isHovered({ input: { hovered } }: SceneBuilder, port: PortPlace): boolean {
   return hovered !== null && keyOf(hovered) === port.key;
 }
 
-/** The name and the value, as far as both are switched on. */
+/** Name and value, as far as both are switched on. */
 function wordsOf({ input }: SceneBuilder, { name }: PortPlace, value: string | null): string {
   if (!input.modes.portNames) return value ?? "";
   return value === null ? name : `${name} = ${value}`;
 }
 
-/** The value of the run or the preset; null without one. */
+/** Value of the run, or else the preset; null without one. */
 function valueText(
   builder: SceneBuilder,
   { at }: SceneNode,
@@ -316,7 +316,7 @@ function valueText(
   if (!builder.input.modes.values) return null;
   if (chip) return chip.short;
   const hasPreset = port.kind === "input" || port.kind === "scoped_variable";
-  // Of a run only what was: a default is no value that anything had.
+  // During a run only actual values are shown: a default may not have been used.
   if (!hasPreset || builder.input.runs.size > 0) return null;
   const value = presetOf(at.state, port.kind, port.id);
   if (value === undefined || value === null) return null;
@@ -324,7 +324,7 @@ function valueText(
   return text.length > VALUE ? `${text.slice(0, VALUE - 1)}…` : text;
 }
 
-/** What is set for a port: by the library state, or as its default. */
+/** Preset of a port: set by the library state, or its default. */
 function presetOf(state: StateDocument, kind: PortKind, id: number): JsonValue | undefined {
   const set = state.library?.inputs?.find((value) => value.port === id && value.used);
   return set ? set.value : portsOf(state, kind).find((port) => port.id === id)?.default;

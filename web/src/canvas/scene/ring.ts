@@ -1,21 +1,21 @@
-/** The outline of a state as the things drawn on it share it: its corners, rings around it, and what it is filled with. */
+/** Outline of a state, shared by all marks on it: its corners, rings around it, and its background. */
 
 import { readLayout } from "../../model/layout_reader.ts";
 import { type SceneNode, shade } from "./builder.ts";
 import type { BoxMark, Ink } from "./list.ts";
 
-/** The corner radius of a state of this size. */
+/** Corner radius of a state of this size. */
 export function radiusOf(node: SceneNode): number {
   return Math.min(7, node.extent * 0.09);
 }
 
-/** What a state is filled with, and what stands behind texts upon it. */
+/** Background of a state and of the plates on it. */
 export function groundInk({ at, depth }: SceneNode): Ink {
   if (at.state.kind === "library") return readLayout(at.state).background ?? "library-ground";
   return readLayout(at.state).background ?? shade(depth);
 }
 
-/** A ring so far around a state. */
+/** Ring at this distance around a state. */
 export function ring(
   node: SceneNode,
   ink: string,

@@ -1,9 +1,9 @@
-/** Ruled lines over the ground of the innermost container around the view, for those who like to draw by them. */
+/** Grid lines on the background of the innermost container around the view, as an optional drawing aid. */
 
 import type { SceneBuilder } from "./builder.ts";
 import type { LineMark } from "./list.ts";
 
-/** Lines are at least so many CSS pixels apart. */
+/** Smallest distance between lines, in CSS pixels. */
 const PITCH = 24;
 
 export function ruledMarks(builder: SceneBuilder): void {
@@ -21,7 +21,7 @@ export function ruledMarks(builder: SceneBuilder): void {
   }
 }
 
-/** One, two or five of a power of ten: units of the root between two lines. */
+/** Units of the root between two lines: one, two or five times a power of ten. */
 export function stepFor(scale: number): number {
   const least = PITCH / scale;
   const ten = 10 ** Math.floor(Math.log10(least));

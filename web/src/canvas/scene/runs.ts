@@ -1,5 +1,5 @@
-/** What a run shows on a state, told by colour, shape and word: rings, a glow where it runs, a hatch, a sign, and a plate with the
- * time and how often it ran. */
+/** Run marks on a state, as colour, shape and text: rings, a glow on active states, a hatch, a sign, and a plate with the
+ * duration and the number of visits. */
 
 import type { Point } from "../../model/geometry.ts";
 import { STEPS } from "../../store/history/recent_path.ts";
@@ -39,9 +39,9 @@ const WORDS: Readonly<Partial<Record<MarkPhase, string>>> = {
   preempted: "preempted",
 };
 
-/** From this size on, in CSS pixels, a plate says how long and how often. */
+/** Smallest state with a plate, in CSS pixels. */
 const PLATE = 80;
-/** Smaller boxes are filled. */
+/** Smallest state with rings, in CSS pixels; smaller boxes are filled. */
 const FILLED = DETAIL.name;
 const ICON = 12;
 
@@ -77,15 +77,14 @@ export function runMarks(
   );
 }
 
-/** Of a state whose content does not show: the loudest inside; what goes on, or waits for somebody, is not hidden by what failed
- * before. */
+/** Phase of a state with hidden content: the most urgent one inside. An earlier failure does not hide an active or waiting state. */
 export function closedPhase(mark: RunMark): MarkPhase {
   const { phase, loudest, loudestActive, since_ms, isLeaf } = mark;
   if (isLeaf) return phase;
   return loudest === "failed" && since_ms !== null ? loudestActive : loudest;
 }
 
-/** States that neither run nor ran lately say how often they did. */
+/** Plate with the number of visits, for states without other run marks. */
 export function visitMarks(builder: SceneBuilder, node: SceneNode): void {
   if (node.extent < PLATE || builder.input.visits(node.at.path) === 0) return;
   plateMarks(builder, node, [], 0);
@@ -95,7 +94,7 @@ function whatOf(node: SceneNode): string {
   return `${node.at.key} run`;
 }
 
-/** Fades from step to step. */
+/** Opacity, which decreases with every step. */
 export function faded(age: number): number {
   return Math.max(0.25, 1 - (0.8 * age) / STEPS);
 }
@@ -111,7 +110,7 @@ function trailMarks(layer: Layer, node: SceneNode, { age, preempted }: RunMark):
   });
 }
 
-/** What is too small for signs is told by what is filled, dashed or hollow. */
+/** Mark of a state too small for signs: filled, dashed or hollow, depending on the phase. */
 function smallMarks(
   layer: Layer,
   node: SceneNode,
@@ -123,7 +122,7 @@ function smallMarks(
   const isFull = phase === "running" || phase === "failed";
   layer.boxes.push({
     ...mark,
-    // What wants somebody now is louder than what went wrong before.
+    // A state that waits for a person takes precedence over an earlier failure.
     ...(hasFailed && !WANTS.has(phase) ? { stroke: "aborted" } : {}),
     fill: isFull ? ink : null,
     dash: phase === "waiting" || phase === "next",
@@ -142,7 +141,7 @@ const RINGS = {
   preempted: { line: 2, dash: true },
 } as const;
 
-/** What is around something that runs has a quiet ring; where it runs, or wants somebody, there is a glow. */
+/** Ring of a state in a run. It is thin around other active states. Innermost active, waiting or failed states glow. */
 function ringMarks(
   layer: Layer,
   node: SceneNode,
@@ -170,7 +169,7 @@ function glow(node: SceneNode, ink: Ink, { line, away, alpha }: (typeof GLOW)[nu
 const HATCH = 9;
 const HATCH_MAX = 90;
 
-/** Lines aslant over all of the state that is in sight. */
+/** Diagonal lines over the visible part of the state. */
 function hatchMarks(builder: SceneBuilder, layer: Layer, node: SceneNode): void {
   const left = Math.max(node.x, 0);
   const top = Math.max(node.y, 0);
@@ -198,7 +197,7 @@ function sign(node: SceneNode, icon: Icon, ink: Ink, { x, y }: Point): IconMark 
   return { what: `${whatOf(node)} ${icon}`, icon, x, y, size: ICON, ink, alpha: 1 };
 }
 
-/** Behind a sign that sits on the corner of a state, where it leaves room for the name. */
+/** Plate behind a sign on the corner of a state, where the sign does not cover the name. */
 function coin(node: SceneNode, { x, y }: Point): TextMark {
   return {
     what: `${whatOf(node)} coin`,
@@ -215,11 +214,11 @@ function coin(node: SceneNode, { x, y }: Point): TextMark {
   };
 }
 
-/** From one sign to the one beside it. */
+/** Distance between two signs. */
 const SIGN_PITCH = ICON + 3;
 
-/** The signs of a state, with how many branches run inside; gives how wide they are. Those of a small state sit on a corner that
- * lies on no name, those of others in the upper right. */
+/** Signs of a state, with the number of active branches inside; returns their width. Those of a small state are at a corner
+ * without text, those of others in the upper right. */
 function signMarks(
   builder: SceneBuilder,
   layer: Layer,
@@ -236,7 +235,7 @@ function signMarks(
         ["failed", "aborted"],
       ]
     : [[icon, ink]];
-  /** From the right to the left. */
+  /** From right to left. */
   const from = ({ x, y }: Point) =>
     signs.map(([each, colour], index) =>
       sign(node, each, colour, { x: x - index * SIGN_PITCH, y }),
@@ -300,7 +299,7 @@ function lanesPlaces(
   }));
 }
 
-/** From all that can be said to the least. */
+/** Texts for the plate, from the most detailed to the shortest. */
 function wordsOf(
   phase: MarkPhase,
   { since_ms, detail, failed }: RunMark,
@@ -316,7 +315,7 @@ function wordsOf(
   );
 }
 
-/** At the lower edge: as much as there is room for. */
+/** Plate at the lower edge, with the longest text that fits. */
 function plateMarks(
   builder: SceneBuilder,
   node: SceneNode,

@@ -1,4 +1,4 @@
-/** What can be seen of a machine, in which detail: pure, from the camera to a list of marks. */
+/** Visible part of a machine and its level of detail: a pure function from the camera to a list of marks. */
 
 import type { LayoutNode } from "../layout_node.ts";
 import { SceneBuilder, type SceneNode, shade } from "./builder.ts";
@@ -16,9 +16,9 @@ import { closedPhase, RUN_INKS } from "./runs.ts";
 import { stateMarks } from "./states.ts";
 import { stickyMarks } from "./sticky.ts";
 
-/** Deeper than machines usually are. */
+/** Number of layers for states of a gesture. It exceeds the usual depth of machines. */
 const LIFT = 16;
-/** So far beyond the view something may still reach into it. */
+/** Margin around the view from which marks may reach into it, in CSS pixels. */
 const REACH = 12;
 
 export function scene(input: SceneInput): DrawList {
@@ -54,7 +54,7 @@ function spotOf(
   return { at, x, y, width, height, scale, depth, extent: extent({ width, height }), outer };
 }
 
-/** Draws a state that is in sight and large enough, and what is inside it. */
+/** Draws a visible and large enough state, and its content. */
 function visit(builder: SceneBuilder, node: SceneNode, connected: ReadonlySet<string>): void {
   const children = childrenOf(builder, node);
   const open = children.length > 0 && node.extent >= DETAIL.content;
@@ -77,7 +77,7 @@ function visit(builder: SceneBuilder, node: SceneNode, connected: ReadonlySet<st
 
 const NO_CHILDREN: readonly LayoutNode[] = [];
 
-/** The children, if the state is large enough to show anything of them. */
+/** Children, if the state is large enough to show any of them. */
 function childrenOf(builder: SceneBuilder, node: SceneNode): readonly LayoutNode[] {
   if (node.extent < DETAIL.name) return NO_CHILDREN;
   const { children, opened, path } = node.at;
@@ -108,7 +108,7 @@ function visitChild(
   builder.lift -= lift;
 }
 
-/** What a state has inside that is too small for its content: a hint of where something is. */
+/** Speck for a child of a state that is too small to show its content. */
 function textureOf(builder: SceneBuilder, outer: SceneNode, child: LayoutNode): void {
   const { box } = child;
   const [width, height] = [box.width * outer.scale, box.height * outer.scale];
@@ -124,13 +124,13 @@ function textureOf(builder: SceneBuilder, outer: SceneNode, child: LayoutNode): 
   layer.boxes.push({ ...mark, fill: null, stroke: "selection", line: 1.5 });
 }
 
-/** The name of the state around can be read upon a selected one. */
+/** Opacity of a selected speck, low enough to keep the name of the outer state readable. */
 const FAINT = 0.25;
 
-/** Where something runs is told behind the name of the state that it lies in. */
+/** Opacity of an active speck. The name of the outer state stays readable on it. */
 const HINT = 0.45;
 
-/** A state that is no more than a colour: that of how it runs, or of its depth. */
+/** State as a coloured rectangle: the colour of its phase, or of its depth. */
 function speck(
   builder: SceneBuilder,
   outer: SceneNode,

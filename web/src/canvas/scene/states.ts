@@ -1,4 +1,4 @@
-/** The box of a state with all that its border tells: its kind, what is selected, what differs, what runs. */
+/** Box of a state with all marks on its border: kind, selection, differences, and the run. */
 
 import { breakpointMarks } from "./breakpoints.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
@@ -9,10 +9,10 @@ import type { BoxMark, TextMark } from "./list.ts";
 import { groundInk, radiusOf, ring } from "./ring.ts";
 import { runMarks, visitMarks } from "./runs.ts";
 
-/** How far beyond the view a box is still drawn exactly. */
+/** Margin around the view in which a box is drawn exactly, in CSS pixels. */
 const BEYOND = 40;
 
-/** `isOpen` is a state whose content shows. */
+/** `isOpen` is a state with visible content. */
 export function stateMarks(builder: SceneBuilder, node: SceneNode, isOpen: boolean): void {
   const layer = builder.layer(node.depth);
   const { input } = builder;
@@ -38,10 +38,10 @@ export function stateMarks(builder: SceneBuilder, node: SceneNode, isOpen: boole
   if (node.extent >= LEAST_FOR_HANDLES) handleMarks(builder, node, key);
 }
 
-/** Smaller states are not resized. */
+/** Smallest state with resize handles, in CSS pixels. */
 const LEAST_FOR_HANDLES = 40;
 
-/** Where a selected state is taken to be resized: the root grows to the right and downwards only. */
+/** Resize handles of a selected state. The root grows only to the right and downwards. */
 function handleMarks(builder: SceneBuilder, node: SceneNode, key: string): void {
   const layer = builder.layer(node.depth + 1);
   const { x, y, width, height } = node;
@@ -71,7 +71,7 @@ function handleMarks(builder: SceneBuilder, node: SceneNode, key: string): void 
   }
 }
 
-/** So many colours of people there are. */
+/** Number of colours of people. */
 const PEOPLE = 6;
 
 const DIFFERENCE_INK: Readonly<Record<DifferenceKind, string>> = {
@@ -96,7 +96,7 @@ function ground(builder: SceneBuilder, node: SceneNode, isOpen: boolean): BoxMar
   };
 }
 
-/** The part of a box near the view: canvases are not good at huge numbers. */
+/** Part of a box near the view. Canvases are imprecise with very large numbers. */
 function clipped(builder: SceneBuilder, node: SceneNode) {
   const left = Math.max(node.x, -BEYOND);
   const top = Math.max(node.y, -BEYOND);
@@ -105,7 +105,7 @@ function clipped(builder: SceneBuilder, node: SceneNode) {
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-/** A frame in the colour of who has selected the state, with the name above or below it where that lies on no name of a state. */
+/** Frame in the colour of a user who has selected the state. The name is above or below it, where it covers no name of a state. */
 function onlookerMarks(builder: SceneBuilder, node: SceneNode, name: string, ink: string): void {
   const layer = builder.layer(node.depth);
   layer.boxes.push(ring(node, ink, 1.5, 3, node.at.key));

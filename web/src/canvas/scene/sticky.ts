@@ -1,4 +1,5 @@
-/** The border of a state that fills the view, as a frame at the view's edges: its ports stay in sight and in reach. */
+/** Border of a state that fills the view, drawn as a frame at the view's edges. It keeps the ports of the state visible and
+ * clickable. */
 
 import type { Point, Side, Size } from "../../model/geometry.ts";
 import { sideOf } from "../../model/geometry.ts";
@@ -14,12 +15,12 @@ import { portInk, SHAPES } from "./ports.ts";
 import { groundInk } from "./ring.ts";
 import { cut } from "./words.ts";
 
-/** How wide the frame is, in CSS pixels. */
+/** Width of the frame, in CSS pixels. */
 export const FRAME = 10;
 
 interface StickyPort {
   readonly port: PortPlace;
-  /** In CSS pixels of the view. */
+  /** Position in CSS pixels of the view. */
   readonly at: Point;
   readonly side: Side;
 }
@@ -29,7 +30,7 @@ interface Sticky {
   readonly ports: readonly StickyPort[];
 }
 
-/** The innermost state around the whole view, with its ports at the view's edges; null if a border is in sight. */
+/** Innermost state around the whole view, with its ports at the view's edges; null if a border is visible. */
 export function stickyFrame(layout: LayoutTree, camera: Camera, view: Size): Sticky | null {
   let found: NodeFrame | null = null;
   let next: NodeFrame | null = layout.root && { at: layout.root, x: 0, y: 0, unit: 1 };
@@ -86,7 +87,7 @@ function onEdge(side: Side, x: number, y: number, view: Size): Point {
 
 const PITCH = 18;
 
-/** Ports that would lie over each other move on along their edge, back towards the middle of the view. */
+/** Moves overlapping ports apart along their edge: downwards or to the left. */
 function apart(ports: readonly StickyPort[]): readonly StickyPort[] {
   const placed: StickyPort[] = [];
   for (const port of ports) {

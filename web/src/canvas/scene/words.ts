@@ -1,22 +1,22 @@
-/** Text that fits: cut with an ellipsis, or over several lines. */
+/** Texts that fit: cut with an ellipsis, or wrapped over several lines. */
 
 import type { Measure } from "./input.ts";
 
-/** The number at the end of a name: what tells `Waypoint 12` from `Waypoint 13`. */
+/** Number at the end of a name, which distinguishes `Waypoint 12` from `Waypoint 13`. */
 const NUMBER = /\s?\d{1,4}$/;
 
-/** Letters of the longest number with the space before it. */
+/** Characters of the longest number, with the space before it. */
 const NUMBER_MAX = 5;
-/** Letters of a text that a canvas shows at most. */
+/** Maximum number of characters of a text on the canvas. */
 const LETTERS_MAX = 1_000;
 
-/** The beginning of a text that is longer than any screen is wide. */
+/** Beginning of a text, cut where it is wider than any screen. */
 function readable(text: string): string {
   return text.length > LETTERS_MAX ? `${text.slice(0, LETTERS_MAX)}…` : text;
 }
 
-/** The text, or as much of it as fits with an ellipsis, before the number at its end if there is room for both; nothing if not even
- * two letters fit. */
+/** Text, cut with an ellipsis if necessary. The number at its end is kept if there is room for both. Empty if not even two
+ * letters fit. */
 export function cut(whole: string, width: number, size: number, bold: boolean, measure: Measure) {
   const text = readable(whole);
   if (measure(text, size, bold) <= width) return text;
@@ -33,7 +33,7 @@ export function cut(whole: string, width: number, size: number, bold: boolean, m
   return low < 2 ? "" : `${text.slice(0, low).trimEnd()}…${end}`;
 }
 
-/** The text in at most so many lines, broken between words; what is left over is cut. */
+/** Text in at most `lines` lines, broken between words; the rest is cut. */
 export function wrapped(
   whole: string,
   width: number,
@@ -49,7 +49,7 @@ export function wrapped(
   return inLines(text, { width, lines, size, measure }, () => 0);
 }
 
-/** The same of a name. Words that are too long for a line are broken with a hyphen if all letters have room then. */
+/** Like `wrapped`, for a name. Words that are too long for a line are hyphenated if all characters fit then. */
 export function wrappedName(
   name: string,
   width: number,
@@ -75,7 +75,7 @@ function isCut(lines: readonly string[]): boolean {
   return lines.some((line) => line.includes("…"));
 }
 
-/** `hyphenAt` is the number of letters of a word that stay in a line of their own, with a hyphen; 0: all. */
+/** `hyphenAt` returns the number of letters of a word before a hyphen at the end of the line; 0 for no hyphen. */
 function inLines(
   text: string,
   { width, lines, size, measure }: LineRoom,
@@ -106,11 +106,11 @@ function inLines(
   return found.filter((each) => each !== "");
 }
 
-/** Letters of a broken word before its hyphen, and behind it. */
+/** Smallest numbers of letters before and after a hyphen. */
 const LEAST_BEFORE = 3;
 const LEAST_BEHIND = 2;
 
-/** Number of letters that fit before a hyphen; 0 if the word fits, or hardly anything of it does. */
+/** Number of letters that fit before a hyphen; 0 if the word fits, or if too few letters do. */
 function lettersBefore(word: string, { width, size, measure }: LineRoom): number {
   const whole = word.trimEnd();
   if (measure(whole, size, false) <= width) return 0;

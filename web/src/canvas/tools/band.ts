@@ -1,4 +1,4 @@
-/** The rubber band: selects what lies in it as a whole. */
+/** Rubber band: selects the elements that lie entirely inside it. */
 
 import { type ElementRef, keyOf } from "../../model/element.ts";
 import { type Box, contains, intersects, type Point } from "../../model/geometry.ts";
@@ -10,7 +10,7 @@ import { NO_OVERLAY } from "../overlay.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
-/** Begins a rubber band where the pointer was pressed. `kept` stays selected beside what is in the band. */
+/** Starts a rubber band at the pressed point. The elements in `kept` stay selected. */
 export function banding(
   pressed: Pointer,
   context: ToolContext,
@@ -43,7 +43,7 @@ function next(
   };
 }
 
-/** States and connections that lie in the box as a whole; of states in each other the outer one. */
+/** States and connections entirely inside the box. Children of an enclosed state are left out. */
 export function enclosed(band: Box, context: ToolContext): readonly ElementRef[] {
   const found: ElementRef[] = [];
   collect(context.machine.root, band, context, found);

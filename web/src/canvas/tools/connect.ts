@@ -1,5 +1,5 @@
-/** Draws a connection from a port: to another port, or to a state, which gets the port that fits. Waypoints are set on the way
- * by a key or, when it was begun by keyboard, by clicks; with the keyboard targets are chosen one after the other. */
+/** Draws a connection from a port to another port, or to a state, which gets a suitable port. A key sets waypoints on the way;
+ * for a connection that was started by keyboard, clicks set them, too. The keyboard cycles through the targets. */
 
 import { type ElementKey, keyOf } from "../../model/element.ts";
 import { nameOf } from "../../model/ends.ts";
@@ -41,7 +41,7 @@ import {
   visiblePorts,
 } from "./targets.ts";
 
-/** So near, in CSS pixels, a line snaps to a port. */
+/** Distance at which a line snaps to a port, in CSS pixels. */
 const SNAP = 18;
 
 interface ConnectState {
@@ -50,7 +50,7 @@ interface ConnectState {
   readonly data: boolean;
   readonly isSticky: boolean;
   readonly through: readonly Point[];
-  /** What the ports on the screen come to, as of this camera and machine. */
+  /** Visible ports and their possible connections, for one camera and version of the machine. */
   readonly visible: ConnectPorts;
 }
 
@@ -61,7 +61,7 @@ interface ConnectPorts {
   readonly legal: ReadonlyMap<ElementKey, PortPair>;
 }
 
-/** Begins a connection at a port; `isSticky` if it goes on without a button. */
+/** Starts a connection at a port. With `isSticky` it continues without a pressed button. */
 export function connecting(
   from: CanvasPort,
   pointer: Pointer | null,
@@ -98,7 +98,7 @@ function look(from: CanvasPort, data: boolean, context: ToolContext): ConnectPor
   return { camera: context.camera, version: context.machine.version, ports, legal };
 }
 
-/** Zooming and other people's edits go on while a line is drawn. */
+/** Updates the ports after a zoom or an edit by another user during the gesture. */
 function current(connectState: ConnectState, context: ToolContext): ConnectState {
   const { visible, from, data } = connectState;
   const isSame = visible.camera === context.camera && visible.version === context.machine.version;
@@ -168,7 +168,7 @@ function overlayOf(
   };
 }
 
-/** What the pointer is at: a port that fits, one that does not, a state, or nothing. */
+/** Target at the pointer: a suitable port, an unsuitable port, a state, or none. */
 function aimAt(connectState: ConnectState, pointer: Pointer, context: ToolContext): ConnectAim {
   const { visible, from } = connectState;
   const fitting = visible.ports.filter(({ element }) => visible.legal.has(keyOf(element)));
@@ -196,7 +196,7 @@ function atPort(visible: ConnectPorts, port: VisiblePort, context: ToolContext):
   };
 }
 
-/** At a port where the line may not end, unless the transition of its outcome is led there. */
+/** Target at a port where the line may not end, unless the existing transition of its outcome can be led there. */
 function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolContext): ConnectAim {
   const led = ledElsewhere(machine, from, port.element);
   if (led) {
@@ -209,7 +209,7 @@ function atWrong({ from }: ConnectState, port: VisiblePort, { machine }: ToolCon
   return { to: port.at, legal: false, target: keyOf(port.element), message, plan };
 }
 
-/** A state other than that where the line begins, and not the ground on which it is drawn. */
+/** Target at another state than the first one, except the container in which the line is drawn. */
 function atState(
   connectState: ConnectState,
   pointer: Pointer,
@@ -240,7 +240,7 @@ function leadsFrom(machine: Machine, from: CanvasPort): string {
   return `Leads the transition of “${nameOf(machine, from)}” here`;
 }
 
-/** On the border of the container around it a line ends in a new port of the container. */
+/** True at the border of the surrounding container, where a line ends in a new port of the container. */
 function isAtBorder(
   from: CanvasPort,
   path: string,
@@ -251,7 +251,7 @@ function isAtBorder(
   return box !== undefined && gripAt(screenBox(context.camera, box), pointer, 12) !== null;
 }
 
-/** What a connection to a state will make there. */
+/** Message about the port or outcome that a connection to a state adds there. */
 function said(plan: Plan, name: string): string {
   const edits = editsOf(plan.edit);
   const port = edits.find((edit) => edit.edit === "add_port");
@@ -262,7 +262,7 @@ function said(plan: Plan, name: string): string {
     : `To “${name}”`;
 }
 
-/** The target of that number, as the keyboard walks them: the nearest first, the own state last. */
+/** Target by number, in the order of the keyboard: the nearest first, the first state last. */
 function chosen(
   before: ConnectState,
   number: number,
@@ -292,7 +292,7 @@ function chosen(
   return shown(connectState, aim, { ...pointer, ...there }, context, index);
 }
 
-/** Why the keyboard finds no target: what is said of the nearest port of another state. */
+/** Reason why the keyboard finds no target: the refusal for the nearest port of another state. */
 function whyNone({ from, visible, at }: ConnectState, { machine }: ToolContext): string {
   const [nearest] = visible.ports
     .filter(({ element }) => element.path !== from.path)
@@ -306,7 +306,7 @@ function square(one: Point, other: Point): number {
   return (one.x - other.x) ** 2 + (one.y - other.y) ** 2;
 }
 
-/** The plan with the waypoints that were set on the way, if it makes one connection. */
+/** Plan with the waypoints that were set on the way, if it makes one connection. */
 function withWaypoints(
   plan: Planned,
   { through, from }: ConnectState,
@@ -330,7 +330,7 @@ function withWaypoints(
   return { ...plan, edit: together([...edits, set]) };
 }
 
-/** Whether the connection ends where its line was begun: it was drawn backwards. */
+/** True if the connection ends at the port where the user began to draw it, because it was drawn backwards. */
 function endsAt(
   made: Extract<Edit, { readonly edit: "add_transition" | "add_data_flow" }>,
   from: CanvasPort,

@@ -1,4 +1,4 @@
-/** Something is dragged onto the canvas from outside: a kind of state, or a library. */
+/** Drags an object from outside onto the canvas: a kind of state, or a library. */
 
 import { keyOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
@@ -15,7 +15,7 @@ import { editsOf } from "./edits.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 import { containerAt } from "./move.ts";
 
-/** Something is held over the canvas. */
+/** Gesture while the object is over the canvas. */
 export function bringing(brought: Dragged, pointer: Pointer, context: ToolContext): Gesture {
   const container = containerAt(pointer, context, []);
   const step =
@@ -90,13 +90,13 @@ function planned(
   return { ...NO_OVERLAY, drop, ghosts: [box], message: { at: pointer, text, bad: false } };
 }
 
-/** A fifth of the container's shorter side, as new states are. */
+/** Side of a new state: a fifth of the container's shorter side. */
 function sideIn(container: string, { layout }: ToolContext): number {
   const box = layout.box(container);
   return box ? (Math.min(box.width, box.height) / layout.unit(container)) * 0.2 : 1;
 }
 
-/** The left top corner, so that the new state's middle is at the pointer and all of it in the container. */
+/** Upper left corner of a new state that is centered at the pointer but entirely inside the container. */
 function cornerAt(container: string, pointer: Pointer, context: ToolContext): Point {
   const { layout } = context;
   const middle = inState(layout, container, worldOf(pointer, context));

@@ -1,4 +1,4 @@
-/** Where a connection begins that is drawn by keyboard. */
+/** Start of a connection that is drawn by keyboard. */
 
 import type { ElementRef } from "../../model/element.ts";
 import { isConnection } from "../../model/ends.ts";
@@ -6,7 +6,7 @@ import { type Machine, outcomesOf, portsOf, transitionsOf } from "../../model/ma
 import { idOf, parentOf } from "../../model/path.ts";
 import type { CanvasPort } from "../hit/look.ts";
 
-/** A port itself; of a state the first outcome that leads nowhere yet, or its first, or its first output. */
+/** Port itself. For a state: its first unconnected outcome, or its first outcome, or its first output. */
 export function firstPort(machine: Machine, from: ElementRef): CanvasPort | null {
   if (isConnection(from)) return null;
   if (from.kind !== "state") return from as CanvasPort;

@@ -1,5 +1,5 @@
-/** What all gestures have in common. A gesture is a value: each movement of the pointer gives the next one, which shows what
- * would come of it and knows what comes when the button is released. Nothing here touches a document or a store. */
+/** Definitions shared by all gestures. A gesture is an immutable value: each movement of the pointer returns the next one, with a
+ * preview and the result of a release. Nothing here accesses a document or a store. */
 
 import type { ElementRef } from "../../model/element.ts";
 import type { Point, Size } from "../../model/geometry.ts";
@@ -12,7 +12,7 @@ import type { Layout } from "../layout.ts";
 import type { LayoutTree } from "../layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 
-/** Where the pointer is, in CSS pixels of the view, and which keys are held with it. */
+/** Position of the pointer in CSS pixels of the view, and the pressed modifier keys. */
 export interface Pointer extends Point {
   readonly shift: boolean;
   /** Ctrl, or the command key of a Mac. */
@@ -20,7 +20,7 @@ export interface Pointer extends Point {
   readonly alt: boolean;
 }
 
-/** What a gesture can see: the machine as it is without the gesture. */
+/** Input of a gesture: the machine without the effects of the gesture. */
 export interface ToolContext {
   readonly machine: Machine;
   readonly layout: LayoutTree;
@@ -29,48 +29,48 @@ export interface ToolContext {
   readonly look: CanvasLook;
 }
 
-/** What comes of a gesture. */
+/** Result of a gesture. */
 export interface GestureResult {
   readonly plan?: Planned;
-  /** Selects these and nothing else. */
+  /** Replaces the selection. */
   readonly select?: readonly ElementRef[];
   readonly toggle?: ElementRef;
-  /** A command, by its id. */
+  /** Command to run, by its id. */
   readonly run?: { readonly command: string; readonly argument?: unknown };
 }
 
 export const NOTHING: GestureResult = {};
 
 export interface Gesture {
-  /** "move", "connect", …: for tests and for those who look. */
+  /** Name such as "move" or "connect", for permission checks and tests. */
   readonly name: string;
-  /** As CSS names it. */
+  /** Name of a CSS cursor. */
   readonly cursor: string;
   readonly overlay: Overlay;
-  /** The camera that the gesture wants, if it moves that. */
+  /** New camera, if the gesture moves it. */
   readonly camera?: Camera;
-  /** What is selected as soon as it begins. */
+  /** Selection at the start of the gesture. */
   readonly select?: readonly ElementRef[];
-  /** Whether it goes on without a button held, until a click on its target. */
+  /** True if the gesture continues without a pressed button, until a click on its target. */
   readonly isSticky?: boolean;
   readonly move: (pointer: Pointer, context: ToolContext) => Gesture;
-  /** What comes of it now. */
+  /** Result if the gesture ends now. */
   readonly result: () => GestureResult;
-  /** A press while it goes on without a button, or a key; null if it has no use for it. */
+  /** Handles the space key, or a press during a sticky gesture: sets a waypoint. Null if there is nothing to set. */
   readonly mark?: (context: ToolContext) => Gesture | null;
-  /** The next (1) or last (-1) target by keyboard. */
+  /** Selects the next (1) or previous (-1) target by keyboard. */
   readonly cycle?: (by: 1 | -1, context: ToolContext) => Gesture;
 }
 
-/** How far a pointer, or a finger, goes before it drags, in CSS pixels. */
+/** Distance in CSS pixels from which a movement of a pointer or finger is a drag. */
 export const DRAG_DISTANCE = { pointer: 4, finger: 10 } as const;
 
-/** The pointer in the root's coordinates. */
+/** Converts the pointer's position to the root's coordinates. */
 export function worldOf(pointer: Point, context: ToolContext): Point {
   return worldFromScreen(context.camera, pointer);
 }
 
-/** A point of the root's coordinates in those inside a state. */
+/** Converts a point from the root's coordinates to those inside a state. */
 export function inState(layout: Layout, path: string, at: Point): Point {
   const box = layout.box(path);
   const unit = layout.unit(path);
@@ -85,7 +85,7 @@ export function minus(one: Point, other: Point): Point {
   return { x: one.x - other.x, y: one.y - other.y };
 }
 
-/** The innermost state that belongs to the machine itself: the path, or the library state around it. */
+/** Innermost state that belongs to the machine itself: the path, or the library state around it. */
 export function ownState(machine: Machine, path: string): string {
   let own = path;
   while (machine.isInLibrary(own)) {

@@ -1,4 +1,4 @@
-/** Lines along which boxes line up while they are moved or resized. All in the root's coordinates. */
+/** Guide lines for the alignment of boxes that are moved or resized. All values are in the root's coordinates. */
 
 import { type Box, intersects, type Point } from "../../model/geometry.ts";
 import { visibleBox } from "../camera.ts";
@@ -9,10 +9,10 @@ import type { ToolContext } from "./gesture.ts";
 
 export type Guides = Overlay["guides"];
 
-/** Within so many CSS pixels a box snaps. */
+/** Distance at which a box snaps, in CSS pixels. */
 const SNAP = 5;
 
-/** What a box may line up with: the children of a container that can be seen, but for some, and the container itself. */
+/** Boxes that a box can align with: the visible children of a container, except those in `without`, and the container itself. */
 export function neighbours(
   context: ToolContext,
   container: string,
@@ -30,16 +30,16 @@ export function neighbours(
 type Axis = "x" | "y";
 
 interface Fit {
-  /** How far the box goes to line up. */
+  /** Distance to the aligned position. */
   readonly by: number;
   readonly at: number;
   readonly box: Box;
 }
 
-/** Which lines of the box count: its start, middle and end along each axis. */
+/** Lines of the box that align: its start, middle and end along each axis. */
 export type Lines = readonly (0 | 0.5 | 1)[];
 
-/** How far a box must go to line up with others, or else with the grid if that shows, and the lines that say so. */
+/** Distance to the nearest alignment with other boxes, or else with a visible grid, and the guide lines that show it. */
 export function snapped(
   box: Box,
   others: readonly Box[],
@@ -60,7 +60,7 @@ export function snapped(
   return { by, guides };
 }
 
-/** How far the first line of a box is from the nearest ruled one, if those show. */
+/** Distance from the first line of a box to the nearest line of the grid; 0 while the grid is hidden. */
 function toRuled(box: Box, axis: Axis, [line]: Lines, { look, camera }: ToolContext): number {
   if (!look.modes.grid || line === undefined) return 0;
   const step = stepFor(camera.scale);
@@ -91,7 +91,7 @@ function best(
   return found;
 }
 
-/** The line through both boxes. */
+/** Guide line through both boxes. */
 function guide(box: Box, { at, box: other }: Fit, axis: Axis): Guides[number] {
   const [along, length] = axis === "x" ? (["y", "height"] as const) : (["x", "width"] as const);
   const from = Math.min(box[along], other[along]);

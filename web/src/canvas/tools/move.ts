@@ -1,4 +1,4 @@
-/** Moves states: within their container, along guide lines; into another one; into a transition; with Alt as copies. */
+/** Moves states: within their container along guide lines, into another container, or into a transition; with Alt as copies. */
 
 import { keyOf } from "../../model/element.ts";
 import { type Box, boundsOf, type Point } from "../../model/geometry.ts";
@@ -27,16 +27,16 @@ import { type Guides, neighbours, snapped } from "./guides.ts";
 
 interface Moving {
   readonly paths: readonly string[];
-  /** Where it was taken, in the root's coordinates. */
+  /** Point where the drag started, in the root's coordinates. */
   readonly from: Point;
-  /** The container of the states; null if they have several. */
+  /** Container of the states; null if they have several. */
   readonly container: string | null;
-  /** Around all of them. */
+  /** Bounds of all moved states. */
   readonly box: Box;
   readonly others: readonly Box[];
 }
 
-/** Begins to move states, from where the pointer was pressed. None of them is the root. */
+/** Starts to move states from the pressed point. None of them may be the root. */
 export function moving(paths: readonly string[], pressed: Pointer, context: ToolContext): Gesture {
   const parents = new Set(paths.map(parentOf));
   const [parent] = parents;
@@ -96,7 +96,7 @@ function drop(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   return line ? intoLine(start, line, pointer, context) : within(start, pointer, context);
 }
 
-/** Within the container: along guide lines, and not out of it. */
+/** Movement within the container, along guide lines and not beyond the border. */
 function within(start: Moving, pointer: Pointer, context: ToolContext): MoveStep {
   const { by, guides } = dragOf(start, pointer, context);
   if (isNone(by)) return { overlay: NO_OVERLAY, plan: () => null };
@@ -104,7 +104,7 @@ function within(start: Moving, pointer: Pointer, context: ToolContext): MoveStep
   return { overlay: { ...showing(plan, new Set(start.paths)), guides }, plan: () => plan };
 }
 
-/** The way of the boxes, in the root's coordinates. */
+/** Movement of the boxes, in the root's coordinates. */
 function dragOf(
   start: Moving,
   pointer: Pointer,
@@ -118,14 +118,14 @@ function dragOf(
     : snapped(box, start.others, context);
   const to = plus(wanted, snap.by);
   const by = kept(start, to, context);
-  // Guides that the states do not reach, because of the border, are not shown.
+  // Leaves out guides that the states do not reach because of the border.
   const guides = snap.guides.filter(({ from, to: end }) =>
     from.x === end.x ? by.x === to.x : by.y === to.y,
   );
   return { by, guides };
 }
 
-/** As far as the states may be moved, in the root's coordinates. */
+/** Movement limited by the border of the container, in the root's coordinates. */
 function kept(start: Moving, by: Point, context: ToolContext): Point {
   const { container, paths } = start;
   if (container === null) return by;
@@ -142,7 +142,7 @@ function isNone(by: Point): boolean {
   return by.x === 0 && by.y === 0;
 }
 
-/** A way of the root's coordinates in those of the container. */
+/** Converts a movement from the root's coordinates to those of the container. */
 function inside({ container }: Moving, by: Point, { layout }: ToolContext): Point {
   const unit = container === null ? 1 : layout.unit(container);
   return { x: by.x / unit, y: by.y / unit };
@@ -155,7 +155,7 @@ function ghosts({ paths }: Moving, by: Point, { layout }: ToolContext): readonly
   });
 }
 
-/** The innermost container under the pointer that takes states: none inside of what is moved, and none in a library. */
+/** Innermost container under the pointer that accepts states: not inside a moved state, and not in a library. */
 export function containerAt(
   pointer: Point,
   context: ToolContext,
@@ -170,7 +170,7 @@ export function containerAt(
   return found ?? null;
 }
 
-/** So small a container takes nothing: one could not see what was dropped. */
+/** True if a container is large enough for drops. In a smaller one the dropped state would not be visible. */
 function isRoomy({ layout, camera }: ToolContext, path: string): boolean {
   const box = layout.box(path);
   return box !== undefined && Math.min(box.width, box.height) * camera.scale >= 40;
@@ -210,7 +210,7 @@ function intoContainer(
 
 const LINE_REACH = 8;
 
-/** The transition into which a single state would be dropped: one that has nothing to do with it yet. */
+/** Transition that a single state without transitions would be dropped into. */
 function lineUnder(
   { paths, container }: Moving,
   pointer: Pointer,

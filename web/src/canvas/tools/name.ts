@@ -1,4 +1,4 @@
-/** Moves and resizes the place of a name, within its state. */
+/** Moves and resizes the box of a name, within its state. */
 
 import type { Box, Point } from "../../model/geometry.ts";
 import { moveName, resizeName } from "../../plan/move.ts";
@@ -16,12 +16,12 @@ interface Naming {
   readonly path: string;
   readonly corner: boolean;
   readonly from: Point;
-  /** In the state's own coordinates, as everything here. */
+  /** Box in the state's own coordinates, which all values here use. */
   readonly box: Box;
   readonly state: Box;
 }
 
-/** Begins to move the name of a state, or to resize its place by the corner at the right bottom. */
+/** Starts to move the name of a state, or to resize its box by the lower right corner. */
 export function naming(
   path: string,
   corner: boolean,
@@ -52,7 +52,7 @@ function next(start: Naming, pointer: Pointer, context: ToolContext): Gesture {
   };
 }
 
-/** The place of the name in the root's coordinates, so that one sees how large it is. */
+/** Box of the name in the root's coordinates, shown as a preview of its size. */
 function inRoot({ path }: Naming, box: Box, { layout }: ToolContext): Box {
   const state = layout.box(path) ?? box;
   const unit = layout.unit(path);
@@ -72,7 +72,7 @@ function moved({ box, state }: Naming, by: Point): Box {
   };
 }
 
-/** An eighth of the state at least, as in the reference. */
+/** Resized box, at least an eighth of the state, as in the reference. */
 function resized({ box, state }: Naming, by: Point): Box {
   const [width, height] = [box.width + by.x, box.height + by.y];
   return {

@@ -1,4 +1,4 @@
-/** Moves and zooms the view: by dragging, with two fingers, by the wheel. */
+/** Moves and zooms the view: by dragging, with two fingers, or by the wheel. */
 
 import { distance, type Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
@@ -6,7 +6,7 @@ import { panned, zoomedAt } from "../camera.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { type Gesture, minus, NOTHING, type Pointer } from "./gesture.ts";
 
-/** Begins to drag what is shown. */
+/** Starts to drag the view. */
 export function panning(pressed: Pointer, camera: Camera): Gesture {
   return {
     name: "pan",
@@ -20,7 +20,7 @@ export function panning(pressed: Pointer, camera: Camera): Gesture {
 
 export type Fingers = readonly [Point, Point];
 
-/** The camera after two fingers went from here to there: what was under them still is. */
+/** Camera after a movement of two fingers. The points under the fingers stay under them. */
 export function pinched(camera: Camera, from: Fingers, to: Fingers): Camera {
   const before = distance(from[0], from[1]);
   const factor = before > 0 ? distance(to[0], to[1]) / before : 1;
@@ -32,25 +32,25 @@ function middle([one, other]: Fingers): Point {
   return { x: (one.x + other.x) / 2, y: (one.y + other.y) / 2 };
 }
 
-/** What a turn of the wheel says. */
+/** Data of a wheel event. */
 export interface Wheel {
   readonly deltaX: number;
   readonly deltaY: number;
-  /** 0: pixels, 1: lines, 2: pages. */
+  /** Unit of the deltas: 0 for pixels, 1 for lines, 2 for pages. */
   readonly deltaMode: number;
   readonly ctrl: boolean;
   readonly shift: boolean;
 }
 
-/** The camera after the wheel was turned at a point. Two fingers on a touch pad pan, whatever the wheel does; Ctrl and
- * pinching, which browsers tell as Ctrl, zoom. */
+/** Camera after a wheel event at a point. Two fingers on a touch pad pan, whatever the setting. Ctrl zooms, and so does pinching,
+ * which browsers report as Ctrl. */
 export function wheeled(camera: Camera, at: Point, wheel: Wheel, setting: "zoom" | "pan"): Camera {
   if (wheel.ctrl) return zoomedAt(camera, at, zoomFactor(wheel));
   const isZoom = setting === "zoom" && !wheel.shift && !isTouchPad(wheel);
   return isZoom ? zoomedAt(camera, at, zoomFactor(wheel)) : panned(camera, scrolled(wheel));
 }
 
-/** Mice turn by whole steps and along one axis. */
+/** A mouse wheel turns by whole steps and along one axis. */
 function isTouchPad({ deltaX, deltaY, deltaMode }: Wheel): boolean {
   if (deltaMode !== 0) return false;
   return deltaX !== 0 || Math.abs(deltaY) < 40 || !Number.isInteger(deltaY);
@@ -63,7 +63,7 @@ function pixels(delta: number, mode: number): number {
   return delta * (mode === 1 ? LINE : mode === 2 ? PAGE : 1);
 }
 
-/** One step of a mouse (100 to 120) is a fifth nearer; a touch pad's small steps are as even. */
+/** Zoom factor: one step of a mouse wheel (100 to 120) zooms by a fifth; the small steps of a touch pad zoom in proportion. */
 function zoomFactor({ deltaY, deltaMode, ctrl }: Wheel): number {
   const turned = Math.max(-300, Math.min(300, pixels(deltaY, deltaMode)));
   const isPinch = ctrl && deltaMode === 0 && Math.abs(deltaY) < 40;

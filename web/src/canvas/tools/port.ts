@@ -6,7 +6,7 @@ import type { CanvasPort } from "../hit/look.ts";
 import { NO_OVERLAY, showing } from "../overlay.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";
 
-/** Begins to slide a port; it stays on the border, as near to the pointer as it can. */
+/** Starts to slide a port. It stays on the border, at the point nearest to the pointer. */
 export function sliding(port: CanvasPort, pointer: Pointer, context: ToolContext): Gesture {
   return next(port, null, pointer, context);
 }
@@ -30,7 +30,7 @@ function next(
   };
 }
 
-/** The point of the border of a box that is nearest to a point in or outside of it. */
+/** Point on the border of a box that is nearest to a point inside or outside. */
 export function nearestOnBorder(box: Box, point: Point): Point {
   const [right, bottom] = [box.x + box.width, box.y + box.height];
   const x = Math.min(right, Math.max(box.x, point.x));

@@ -1,4 +1,4 @@
-/** What a press of the button begins: a click if the pointer stays, otherwise the gesture for what was under it. */
+/** Press of the button: a click if the pointer stays, otherwise the gesture for the element under it. */
 
 import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { distance } from "../../model/geometry.ts";
@@ -25,12 +25,12 @@ import { cursorOf, resizing } from "./resize.ts";
 import { isStage } from "./stage.ts";
 import { bending } from "./waypoint.ts";
 
-/** How it was pressed. */
+/** Position and kind of a press. */
 export interface Press extends Pointer {
   readonly isTouch: boolean;
 }
 
-/** Begins with what is under the pointer. */
+/** Starts with the element under the pointer. */
 export function pressing(hit: CanvasHit | null, press: Press, context: ToolContext): Gesture {
   const least = press.isTouch ? DRAG_DISTANCE.finger : DRAG_DISTANCE.pointer;
   const isFar = (pointer: Pointer) => distance(pointer, press) >= least;
@@ -53,13 +53,13 @@ function clicked(hit: CanvasHit | null, press: Press, context: ToolContext) {
   return press.ctrl || press.shift ? { toggle: hit.element } : { select: [hit.element] };
 }
 
-/** A finger hits more than it means: it selects the state first. */
+/** True if the click toggles a breakpoint. A touch is imprecise, so it must select the state first. */
 function setsBreakpoint(hit: CanvasHit, press: Press, context: ToolContext): boolean {
   if (hit.on !== "breakpoint" || press.ctrl || press.shift) return false;
   return !press.isTouch || isSelected(hit.element, context);
 }
 
-/** The gesture that dragging begins there. */
+/** Gesture that a drag starts there. */
 function dragging(hit: CanvasHit | null, press: Press, context: ToolContext): Gesture {
   if (press.shift && (!hit || hit.on === "state" || hit.on === "name" || hit.on === "line")) {
     return band(press, context);
@@ -108,7 +108,7 @@ function isSelected(element: ElementRef, { look }: ToolContext): boolean {
   return look.selection.has(keyOf(element));
 }
 
-/** On the ground of the root, or of a state that fills the view, there is a rubber band; other states move. */
+/** Drag of a state. On the background of the root, or of a state that fills the view, it starts a rubber band instead. */
 function stateDrag(hit: CanvasHit, press: Press, context: ToolContext): Gesture {
   const path = ownState(context.machine, hit.element.path);
   const element = { kind: "state", path } as const;
@@ -128,7 +128,7 @@ function withSelection(gesture: Gesture, select: readonly ElementRef[]): Gesture
   };
 }
 
-/** The selected states that can be moved along with one: they stand in its container. */
+/** Selected states that move along with a state: its siblings. */
 function movable(along: string, { look, machine }: ToolContext): readonly string[] {
   return [...look.selection].flatMap((key) => {
     const element = elementOf(key);
@@ -146,7 +146,7 @@ function band(press: Press, context: ToolContext): Gesture {
   return banding(press, context, press.ctrl ? kept : []);
 }
 
-/** The cursor over what a press would take. */
+/** Cursor over the element that a press would take. */
 export function cursorAt(hit: CanvasHit | null): string {
   switch (hit?.on) {
     case "grip":

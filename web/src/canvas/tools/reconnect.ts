@@ -1,4 +1,4 @@
-/** Leads an end of a connection to another port; let go over nothing, it stays where it was. */
+/** Drags an end of a connection to another port. Without a port at the release, the connection stays unchanged. */
 
 import { type ElementKey, keyOf } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
@@ -15,7 +15,7 @@ const SNAP = 18;
 interface Leading {
   readonly line: LineRef;
   readonly end: "from" | "to";
-  /** The end that stays. */
+  /** Position of the other end, which stays. */
   readonly fixed: Point;
   readonly visible: ReconnectPorts;
 }
@@ -27,7 +27,7 @@ interface ReconnectPorts {
   readonly plans: ReadonlyMap<ElementKey, Planned>;
 }
 
-/** Begins to lead an end of a connection elsewhere. */
+/** Starts to drag an end of a connection. */
 export function reconnecting(
   line: LineRef,
   end: "from" | "to",

@@ -1,4 +1,4 @@
-/** Resizes a state by a corner or side; with Ctrl its content is scaled along, with Shift the form stays. */
+/** Resizes a state by a corner or side. With Ctrl its content is scaled along, with Shift the aspect ratio stays. */
 
 import type { Box, Point } from "../../model/geometry.ts";
 import { parentOf } from "../../model/path.ts";
@@ -21,14 +21,14 @@ interface Resizing {
   readonly path: string;
   readonly grip: Grip;
   readonly from: Point;
-  /** The box at first, in the root's coordinates. */
+  /** Box at the start, in the root's coordinates. */
   readonly box: Box;
-  /** The box of the container; null for the root. */
+  /** Box of the container; null for the root. */
   readonly outer: Box | null;
   readonly others: readonly Box[];
 }
 
-/** Begins to resize a state by what was pressed. */
+/** Starts to resize a state by the pressed corner or side. */
 export function resizing(
   path: string,
   grip: Grip,
@@ -61,7 +61,7 @@ function next(start: Resizing, pointer: Pointer, context: ToolContext): Gesture 
   };
 }
 
-/** What comes of it; scaled content is left to the drawing, which needs no edit of each part for it. */
+/** Preview of the result. The canvas itself scales the content, so that the preview needs no edit of each part. */
 function shown(
   start: Resizing,
   box: Box,
@@ -104,7 +104,7 @@ function resized(
   return { box: stretched(start, total, least), guides };
 }
 
-/** A fiftieth of the container, as in the reference; of the root one unit. */
+/** Smallest side: a fiftieth of the container, as in the reference; one unit for the root. */
 function leastSide({ outer }: Resizing, { camera }: ToolContext): number {
   const least = outer ? Math.min(outer.width, outer.height) / 50 : 1;
   return Math.max(least, 4 / camera.scale);
@@ -117,7 +117,7 @@ function linesOf(grip: Grip): { readonly x: Lines; readonly y: Lines } {
   };
 }
 
-/** The box with the taken sides moved, not smaller than allowed and not out of the container. */
+/** Box with the dragged sides moved, not smaller than allowed and not beyond the container. */
 function stretched({ box, grip, outer }: Resizing, by: Point, least: number): Box {
   let [left, top, right, bottom] = [box.x, box.y, box.x + box.width, box.y + box.height];
   if (grip.includes("w")) left = Math.min(left + by.x, right - least);
@@ -134,7 +134,7 @@ function stretched({ box, grip, outer }: Resizing, by: Point, least: number): Bo
   return { x: left, y: top, width: right - left, height: bottom - top };
 }
 
-/** The box with its first form, about the corner or side that stays. */
+/** Box with its original aspect ratio, about the corner or side that stays. */
 function inForm({ box, grip, outer }: Resizing, free: Box, least: number): Box {
   const isWide = grip === "e" || grip === "w";
   const isHigh = grip === "n" || grip === "s";
@@ -162,7 +162,6 @@ function fitsIn(box: Box, outer: Box): boolean {
   );
 }
 
-/** The cursor of a corner or side. */
 export function cursorOf(grip: Grip): string {
   if (grip === "n" || grip === "s") return "ns-resize";
   if (grip === "e" || grip === "w") return "ew-resize";

@@ -5,9 +5,9 @@ import { distance, type Point } from "../../model/geometry.ts";
 import { isExactlyRightAngled } from "../../plan/right_angles.ts";
 import { nearestOn } from "../hit/lines.ts";
 
-/** Dragged part of a line, by its number among the pieces or corners. */
+/** Dragged part of a line, by its index among the pieces or corners. */
 export interface SquareBend {
-  /** From port to port, with a point at each bend only. */
+  /** Points from port to port, only one at each bend. */
   readonly points: readonly Point[];
   readonly part: "piece" | "corner";
   readonly index: number;
@@ -31,13 +31,13 @@ export function squareBend(
   return { points: bends, part: isCorner ? "corner" : "piece", index };
 }
 
-/** The waypoints of the line with the part at the pointer. Nearer than `reach` to another piece it joins that. */
+/** Waypoints of the line with the part at the pointer. A part closer than `reach` to another piece joins it. */
 export function bentSquare({ points, part, index }: SquareBend, to: Point, reach: number): Point[] {
   const moved = part === "corner" ? cornerAt(points, index, to) : pieceAt(points, index, to, reach);
   return withoutStraight(moved).slice(1, -1);
 }
 
-/** The ends stay at their ports: a corner beside them slides along the first or last piece. */
+/** Moves a corner. The ends stay at their ports: a corner beside one slides along the first or last piece. */
 function cornerAt(points: readonly Point[], index: number, to: Point): readonly Point[] {
   const [before, corner, after] = [points[index - 1], points[index], points[index + 1]];
   if (!before || !corner || !after) return points;
@@ -58,7 +58,7 @@ function cornerAt(points: readonly Point[], index: number, to: Point): readonly 
   });
 }
 
-/** A piece at a port leaves a short one there. */
+/** Moves a piece. A piece at a port leaves a short one there. */
 function pieceAt(
   points: readonly Point[],
   index: number,
@@ -92,7 +92,7 @@ function between(from: Point, to: Point, length: number): Point {
   return { x: from.x + (to.x - from.x) * part, y: from.y + (to.y - from.y) * part };
 }
 
-/** Only the ends and the points at which the direction changes. */
+/** Ends, and points at which the direction changes. */
 function withoutStraight(points: readonly Point[]): readonly Point[] {
   const kept: Point[] = [];
   for (const point of points) {
@@ -106,7 +106,7 @@ function withoutStraight(points: readonly Point[]): readonly Point[] {
   return kept;
 }
 
-/** Less than this part of a coordinate is arithmetic. */
+/** Rounding error, as a share of a coordinate. */
 const TINY = 1e-6;
 
 function size({ x, y }: Point): number {

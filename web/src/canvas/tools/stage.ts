@@ -1,21 +1,21 @@
-/** The state that one works in: the one that fills the view. */
+/** State that the user works in: the one that fills the view. */
 
 import { isContainer } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 import { statesAt } from "../hit/hit.ts";
 import type { ToolContext } from "./gesture.ts";
 
-/** The innermost state that fills the view; the root if none does. */
+/** Innermost container or library that fills the view; the root if none does. */
 export function stageOf(context: ToolContext): string {
   return inMiddle(context).findLast((path) => isStage(path, context)) ?? context.machine.root;
 }
 
-/** The innermost state of any kind that fills the view; the root if none does. */
+/** Innermost state of any kind that fills the view; the root if none does. */
 export function filledBy(context: ToolContext): string {
   return inMiddle(context).findLast((path) => fills(path, context)) ?? context.machine.root;
 }
 
-/** Whether the state is what one works in now, and not one thing among others. */
+/** True if the user works in the state, rather than beside it. */
 export function isStage(path: string, context: ToolContext): boolean {
   if (parentOf(path) === null) return true;
   const state = context.machine.state(path);

@@ -1,4 +1,4 @@
-/** Where a connection may begin or end: the ports that can be seen, and what each would come to. */
+/** Possible ends of a connection: the visible ports, and the connection that each would make. */
 
 import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { distance, intersects, type Point } from "../../model/geometry.ts";
@@ -16,18 +16,18 @@ import type { ToolContext } from "./gesture.ts";
 export interface VisiblePort {
   readonly element: CanvasPort;
   readonly name: string;
-  /** In the root's coordinates. */
+  /** Position in the root's coordinates. */
   readonly at: Point;
 }
 
-/** Whether values go through the port, and not the run. */
+/** True for data ports. */
 export function isData(element: ElementRef): boolean {
   return (
     element.kind === "input" || element.kind === "output" || element.kind === "scoped_variable"
   );
 }
 
-/** All ports of one sort that are on the screen, outer ones first. */
+/** Visible ports of one kind, outer ones first. */
 export function visiblePorts(context: ToolContext, data: boolean): readonly VisiblePort[] {
   const found: VisiblePort[] = [];
   collect(context.machine.root, data, context, found);
@@ -53,8 +53,7 @@ function collect(path: string, data: boolean, context: ToolContext, found: Visib
   for (const child of childrenIn(layout, path, seen)) collect(child, data, context, found);
 }
 
-/** From where to where a connection between two ports leads: people draw both ways. */
-/** The order in which the keyboard walks targets: the nearest first, those of the state where it begins last. */
+/** Order in which the keyboard visits targets: the nearest first, those of the first state last. */
 export function nearerTo(at: Point, own: string): (one: VisiblePort, other: VisiblePort) => number {
   const away = ({ at: there }: VisiblePort) => (there.x - at.x) ** 2 + (there.y - at.y) ** 2;
   const ownRank = ({ element }: VisiblePort) => (element.path === own ? 1 : 0);
@@ -66,7 +65,7 @@ export interface PortPair {
   readonly to: CanvasPort;
 }
 
-/** The connection between a port and another, in the direction that is legal, or why there is none. */
+/** Connection between two ports in the legal direction, which may be opposite to the drawn one; or the reason why it is refused. */
 export function endsBetween(
   machine: Machine,
   one: CanvasPort,
@@ -81,7 +80,7 @@ export function endsBetween(
   return back === true ? { from: other, to: one } : forth;
 }
 
-/** The port nearest to the pointer, within reach. */
+/** Port nearest to the pointer, within reach. */
 export function nearestPort(
   ports: readonly VisiblePort[],
   pointer: Point,

@@ -1,4 +1,4 @@
-/** Where the keyboard goes from here: along transitions and data flows, into states and out of them, from port to port. */
+/** Navigation by keyboard: along transitions and data flows, into and out of states, from port to port. */
 
 import { type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { endsOf, flowEnds, isConnection, transitionEnds } from "../../model/ends.ts";
@@ -9,7 +9,7 @@ import type { Layout } from "../layout.ts";
 
 export type Direction = "next" | "previous" | "in" | "out";
 
-/** The element that follows in a direction; null if there is none. */
+/** Next element in a direction; null if there is none. */
 export function walked(
   machine: Machine,
   layout: Layout,
@@ -26,7 +26,7 @@ export function walked(
   }
 }
 
-/** Where a container begins; its first child if it does not say. */
+/** Target of the container's start transition, or else its first child. */
 export function entrance(machine: Machine, layout: Layout, path: string): ElementRef | null {
   const state = machine.state(path);
   const start = state && startOf(state);
@@ -57,12 +57,12 @@ function along(
   return from.kind === "state" ? beside(layout, from.path, direction) : null;
 }
 
-/** A state stands for its income; the container's own ports stand for themselves. */
+/** Replaces the income of a state by the state. Ports of the container stay. */
 function settled(end: ElementRef, container: string): ElementRef {
   return end.kind === "income" && end.path !== container ? { kind: "state", path: end.path } : end;
 }
 
-/** What the first connection from or to the element leads to or comes from. */
+/** Element at the other end of the first connection from or to the element. */
 function neighbours(
   machine: Machine,
   from: ElementRef,
@@ -88,12 +88,12 @@ function neighbours(
   return null;
 }
 
-/** Outcomes of a success before aborted and preempted. */
+/** Sort key: outcomes of a success before aborted and preempted. */
 function rank(outcome: number | null | undefined): number {
   return outcome == null ? 0 : outcome < 0 ? 1000 - outcome : outcome;
 }
 
-/** Connections of a state are in the container around it, those of a port also in the state itself. */
+/** Containers with connections of the element: the container around its state, and for a port also the state itself. */
 function containersOf(from: ElementRef): readonly string[] {
   const parent = parentOf(from.path);
   if (from.kind === "state") return parent === null ? [] : [parent];
@@ -105,7 +105,7 @@ function isAt(end: ElementRef, from: ElementRef, container: string): boolean {
   return keyOf(end) === keyOf(from);
 }
 
-/** The sibling that lies nearest on that side. */
+/** Nearest sibling on that side. */
 function beside(layout: Layout, path: string, direction: "next" | "previous"): ElementRef | null {
   const [parent, box] = [parentOf(path), layout.box(path)];
   if (parent === null || !box) return null;
@@ -124,7 +124,7 @@ function beside(layout: Layout, path: string, direction: "next" | "previous"): E
   return best === null ? null : { kind: "state", path: best };
 }
 
-/** The next port of a state, or the state itself before its first; null behind its last. */
+/** Next port of a state, or the state itself before its first port; null after its last one. */
 export function portWalk(layout: Layout, from: ElementRef, by: 1 | -1): ElementRef | null {
   if (isConnection(from)) return null;
   const ring: readonly ElementRef[] = [

@@ -1,4 +1,4 @@
-/** Makes, moves and merges waypoints of a connection. A line at right angles keeps them, but with Shift. */
+/** Adds, moves and merges waypoints of a connection. A line at right angles keeps its right angles unless Shift is pressed. */
 
 import { type Box, distance, type Point } from "../../model/geometry.ts";
 import { waypointsOf } from "../../model/layout_reader.ts";
@@ -13,9 +13,9 @@ import { bentSquare, type SquareBend, squareBend } from "./square_bend.ts";
 interface Bending {
   readonly element: LineRef;
   readonly index: number;
-  /** Whether the waypoint was there before. */
+  /** True if the waypoint existed before the gesture. */
   readonly isOld: boolean;
-  /** The other waypoints before and behind it, in the container's coordinates. */
+  /** Other waypoints before and after it, in the container's coordinates. */
   readonly before: readonly Point[];
   readonly after: readonly Point[];
   /** Dragged part of a line with right angles; null for other lines. */
@@ -25,7 +25,7 @@ interface Bending {
   readonly last: Point;
 }
 
-/** Begins to drag a waypoint: an old one, or one that is made at this number. */
+/** Starts to drag a waypoint: an existing one, or one that is added at this index. */
 export function bending(
   element: LineRef,
   index: number,
@@ -53,7 +53,7 @@ export function bending(
   return next(start, pressed, context);
 }
 
-/** So near to the straight line, in CSS pixels, a waypoint goes away. */
+/** Distance from the straight line at which a waypoint is removed, in CSS pixels. */
 const MERGE = 6;
 
 function next(start: Bending, pointer: Pointer, context: ToolContext): Gesture {
@@ -92,7 +92,7 @@ function bentAtRightAngles(
   };
 }
 
-/** Inside of the container; with Shift in an even direction from the point before or behind. */
+/** Position inside the container. With Shift, its direction from the point before or after is a multiple of 45°. */
 function placed(start: Bending, pointer: Pointer, context: ToolContext): Point {
   const { layout } = context;
   const { path } = start.element;
@@ -109,7 +109,7 @@ function ends({ before, after, first, last }: Bending): readonly [Point, Point] 
   return [before.at(-1) ?? first, after[0] ?? last];
 }
 
-/** The nearer of the points before and behind. */
+/** Nearer of the points before and after. */
 function neighbour(start: Bending, at: Point): Point {
   const [one, other] = ends(start);
   return distance(one, at) <= distance(other, at) ? one : other;
@@ -117,7 +117,7 @@ function neighbour(start: Bending, at: Point): Point {
 
 const EIGHTH = Math.PI / 4;
 
-/** As far from a point as it is, in the nearest of eight directions. */
+/** Point projected onto the nearest of eight directions from another point. */
 export function even(from: Point, to: Point): Point {
   const angle = Math.round(Math.atan2(to.y - from.y, to.x - from.x) / EIGHTH) * EIGHTH;
   const [x, y] = [Math.cos(angle), Math.sin(angle)];
