@@ -1,4 +1,4 @@
-/** What every panel is given: the page, the machine in front, the commands. */
+/** Context of all panels: the page, the active machine, and the commands. */
 
 import { createContext, useContext, useDeferredValue } from "react";
 import type { CommandContext, Commands } from "../commands/command.ts";
@@ -7,7 +7,7 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 
 export interface PanelHost {
   readonly commands: Commands;
-  /** What commands may use now. */
+  /** Current context of commands. */
   readonly context: () => CommandContext;
 }
 
@@ -21,18 +21,18 @@ export function useHost(): PanelHost {
   return host;
 }
 
-/** The machine in front; null if none is open. The canvas shows another one first, and panels follow without holding it up. */
+/** Active machine; null if none is open. Its value is deferred, so that the canvas switches without waiting for the panels. */
 export function useActiveTab(): OpenTab | null {
   return useDeferredValue(useSignal(useHost().context().page.active));
 }
 
-/** Runs a command by its name. */
+/** Returns a function that runs a command by its id. */
 export function useCommand(): (id: string, argument?: unknown) => void {
   const host = useHost();
   return (id, argument) => void host.commands.run(id, host.context(), argument);
 }
 
-/** Why a command cannot be run now, drawn again when that changes; null if it can. */
+/** Reason why a command is unavailable; null if it is available. Components render again when it changes. */
 export function useRefusalOf(id: string): string | null {
   const { commands, context } = useHost();
   return useComputed(() => commands.refusalOf(id, context()), [commands, context, id]);

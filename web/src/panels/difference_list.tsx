@@ -1,4 +1,4 @@
-/** Differences as a list; the chosen one stands below with old and new in full. */
+/** List of differences. Below it, the selected one is shown with both full values. */
 
 import { useState } from "react";
 import type { Difference } from "../model/difference.ts";
@@ -17,7 +17,7 @@ const TextDifference = onDemand(
 interface DifferenceListProps {
   readonly label: string;
   readonly all: readonly Difference[];
-  /** What is gone is named by the old one. */
+  /** Machine that names the removed elements. */
   readonly old: Machine;
   readonly now: Machine;
   readonly onReveal: (difference: Difference) => void;

@@ -1,4 +1,4 @@
-/** Differences in words. */
+/** Texts about differences. */
 
 import type { Difference } from "../model/difference.ts";
 import type { ElementKind } from "../model/element.ts";
@@ -16,7 +16,7 @@ export const KIND_WORDS: Readonly<Record<ElementKind, string>> = {
   data_flow: "Data flow",
 };
 
-/** What is different about it, in one line. */
+/** Short description of a change. */
 export function summary(difference: Difference): string {
   if (difference.inside > 0) {
     return difference.inside === 1
@@ -35,7 +35,7 @@ function shown(text: string): string {
   return text === "" ? "–" : text;
 }
 
-/** The names of the states around it, and the state that has it if it is a part of one. */
+/** Names of the states around the element, including the state that a part belongs to. */
 export function whereabouts(machine: Machine, { element }: Difference): string {
   const path = element.kind === "state" ? parentOf(element.path) : element.path;
   return path === null ? "" : namesTo(machine, path).join(" / ");

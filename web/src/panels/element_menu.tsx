@@ -1,4 +1,4 @@
-/** The context menu of elements of the machine in front, as the canvas has it, at a place of the window. */
+/** Context menu of elements of the active machine, at a position in the window. It equals the menu of the canvas. */
 
 import { keymap } from "../commands/keys.ts";
 import { contextMenu } from "../commands/menus.ts";

@@ -1,4 +1,4 @@
-/** Brings an element of any open machine into sight: its tab to the front first. */
+/** Shows an element of any open machine, and activates its tab first. */
 
 import type { ElementRef } from "../model/element.ts";
 import type { OpenTab } from "../store/page/page.ts";
@@ -6,7 +6,7 @@ import { select } from "../store/page/view.ts";
 import type { PanelHost } from "./context.tsx";
 import { reveal } from "./reveal.ts";
 
-/** So many pictures it may take until the canvas of another machine is there. */
+/** Maximum number of frames to wait for the canvas of another machine. */
 const PICTURES_MAX = 60;
 
 export function goTo(host: PanelHost, tab: OpenTab, element: ElementRef): void {

@@ -1,4 +1,4 @@
-/** The breakpoints that the run had at the earlier moment that is shown: to look at, they cannot be changed any more. */
+/** Breakpoints of the run at an earlier moment. They are read-only. */
 
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";

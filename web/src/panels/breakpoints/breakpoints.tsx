@@ -1,4 +1,4 @@
-/** All breakpoints of the machine in front: of its run while that goes on, else those that the next start gets. */
+/** Breakpoints of the active machine: those of its current run, or else those for the next start. */
 
 import { CirclePause, CirclePlus, Pencil, Trash2 } from "lucide-react";
 import {

@@ -1,4 +1,4 @@
-/** A breakpoint in words. */
+/** Texts about breakpoints. */
 
 import type { Breakpoint, Unattended } from "../../model/generated/protocol.ts";
 
@@ -13,7 +13,7 @@ function alone({ unattended, lost_link_ms }: Breakpoint): string {
   return `${ALONE[unattended]} or the ground is silent for ${lost_link_ms / 1000} s`;
 }
 
-/** `before, from the 3rd time on, pauses the whole run`. */
+/** Such as `before, from the 3rd time on, pauses the whole run`. */
 export function breakpointInWords(breakpoint: Breakpoint): string {
   const { when, hit_count, scope } = breakpoint;
   const parts = [

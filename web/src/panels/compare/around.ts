@@ -1,14 +1,14 @@
-/** What happened in a run around a moment, on one branch: a few entries and ends before it, itself, and a few after. */
+/** Events of one branch around a moment of a run: a few entries and ends before it, the event itself, and a few after it. */
 
 import { isWithin } from "../../model/path.ts";
 import { type Journal, OTHER } from "../../store/history/journal.ts";
 
 const BEFORE = 4;
 const AFTER = 4;
-/** So many events are looked through at most, to either side. */
+/** Maximum number of events that are searched in each direction. */
 const FAR = 5_000;
 
-/** Indices in the journal, in order. The number is that of the event at which the runs part; null: the run was over by then. */
+/** Indices in the journal, in order. `sequence` is the event at which the runs differ; null if this run was over by then. */
 export function entriesAround(
   journal: Journal,
   branch: string,

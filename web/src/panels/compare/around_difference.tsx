@@ -1,4 +1,4 @@
-/** Where two runs part on a branch: what happened around there in both, side by side. */
+/** Events around the point where two runs differ on a branch, side by side. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";

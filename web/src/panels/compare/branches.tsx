@@ -1,4 +1,4 @@
-/** The branches on which two runs part, each with its first difference: the earliest of them first. */
+/** Branches on which two runs differ, each with its first difference, the earliest first. */
 
 import type { Happened, Parting } from "../../model/generated/protocol.ts";
 import { missionTime } from "../../store/page/times.ts";
@@ -6,9 +6,9 @@ import { Table, type TableColumn } from "../../ui/table.tsx";
 
 interface BranchesProps {
   readonly parted: readonly Parting[];
-  /** The branch whose difference is shown. */
+  /** Branch with the displayed difference. */
   readonly chosen: Parting;
-  /** Shows it in both runs. */
+  /** Shows the difference in both runs. */
   readonly choose: (parting: Parting) => void;
 }
 
@@ -63,7 +63,7 @@ function Step({ step }: { readonly step: Happened | null }) {
   );
 }
 
-/** `Look ended with seen`. */
+/** Such as `Look ended with seen`. */
 export function stepInWords(step: Happened | null): string {
   if (!step) return "no further events";
   const name = nameIn(step.names);

@@ -1,4 +1,4 @@
-/** Data that differed between two runs while they went the same way. */
+/** Data that differed between two runs while they took equal steps. */
 
 import type { DataChange } from "../../model/generated/protocol.ts";
 import { shortValue } from "../../model/short_value.ts";

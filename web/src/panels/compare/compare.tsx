@@ -1,5 +1,5 @@
-/** Two runs side by side: where they part, which data was other, how long states took. What is pressed is shown in its run, at its
- * moment. */
+/** Comparison of two runs: the points where they differ, differences in data, and durations of states. A click shows the entry in
+ * its run, at its moment. */
 
 import { computed, effect } from "@preact/signals-core";
 import { GitCompare, RefreshCw, X } from "lucide-react";
@@ -74,7 +74,7 @@ function OfRun({ tab, watch }: CompareProps) {
   );
 }
 
-/** Asks when another run is chosen, and once more when one of the two is over. */
+/** Requests the comparison when another run is chosen, and again when one of the two ends. */
 function useComparison(page: Page, watch: Watch): void {
   useEffect(() => {
     const both = computed(() => {
@@ -89,7 +89,7 @@ function useComparison(page: Page, watch: Watch): void {
   }, [page, watch]);
 }
 
-/** The states at which the runs part are marked on the canvas, as long as the panel shows them. */
+/** Marks the states at which the runs differ on the canvas while the panel is visible. */
 function useMarks({ view }: OpenTab, comparison: Comparison | null): void {
   const parted = comparison?.parted;
   useEffect(() => {

@@ -1,4 +1,4 @@
-/** Which of the two runs is meant, and how its moment is shown. */
+/** Types for showing a moment of one of the compared runs. */
 
 export type ComparedSide = "one" | "other";
 

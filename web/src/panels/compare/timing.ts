@@ -1,4 +1,4 @@
-/** How long states took in two runs, as rows that can be sorted. */
+/** Durations of states in two runs, as sortable rows. */
 
 import type { Timing } from "../../model/generated/protocol.ts";
 
@@ -7,13 +7,13 @@ export interface TimingRow {
   readonly names: string;
   readonly one: TimingSide;
   readonly other: TimingSide;
-  /** How much longer it took in the one on average, in ms; null if it did not end in both. */
+  /** Difference of the mean durations, in ms: positive if the state took longer in the first run. Null if it did not end in both. */
   readonly more_ms: number | null;
 }
 
 interface TimingSide {
   readonly count: number;
-  /** On average; null if it never ended. */
+  /** Mean duration; null if the state never ended. */
   readonly mean_ms: number | null;
 }
 
@@ -32,7 +32,7 @@ function side({ count, total_ns }: Timing["one"]): TimingSide {
   return { count, mean_ms: count === 0 ? null : total_ns / count / 1e6 };
 }
 
-/** The largest first; names from A on. */
+/** Sorts the rows. `down` puts the largest number, or the last name, first. */
 export function sorted(
   rows: readonly TimingRow[],
   order: TimingOrder,

@@ -1,4 +1,4 @@
-/** How long each state took in two runs, sorted by what one asks for. */
+/** Table of the durations of states in two runs, sortable by column. */
 
 import { useMemo, useState } from "react";
 import type { Timing } from "../../model/generated/protocol.ts";

@@ -1,4 +1,4 @@
-/** What a machine can be compared with, as a list to choose from. */
+/** Options for the comparison of a machine. */
 
 import type { MachineVersions } from "../../model/generated/protocol.ts";
 import type { Against } from "../../store/page/comparison.ts";
@@ -11,7 +11,7 @@ interface AgainstOption {
   readonly against: Against | null;
 }
 
-/** Nothing, the disk, other tabs, and what git knows. */
+/** Options: no comparison, the file on disk, other tabs, and the versions in git. */
 export function againstOptions(
   tabs: readonly OpenTab[],
   own: OpenTab,

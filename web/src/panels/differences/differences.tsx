@@ -1,4 +1,4 @@
-/** How the machine in front differs from another: what lies on disk, an earlier version, or the machine of another tab. */
+/** Differences between the active machine and the file on disk, an earlier version, or the machine of another tab. */
 
 import { RefreshCw } from "lucide-react";
 import { useEffect, useState } from "react";
@@ -119,12 +119,12 @@ function Found({ tab, comparison, shown }: DifferencesProps) {
   );
 }
 
-/** What git knows of the machine; asked for again when it is saved. */
+/** Versions of the machine in git, requested again after each save. */
 function useVersions(tab: OpenTab): MachineVersions | null {
   const { server } = useHost().context().page;
   const saved = useSignal(tab.session.status)?.summary.saved_revision;
   const [versions, setVersions] = useState<MachineVersions | null>(null);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: a save may have brought a commit along
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a save may have created a commit
   useEffect(() => {
     let isGone = false;
     const path = `/machines/${encodeURIComponent(tab.session.id)}/versions`;
@@ -143,7 +143,7 @@ function useVersions(tab: OpenTab): MachineVersions | null {
   return versions;
 }
 
-/** `1 added, 3 changed`. */
+/** Such as `1 added, 3 changed`. */
 function counted(all: readonly Difference[]): string {
   const counts = (["added", "removed", "changed"] as const)
     .map((kind) => ({ kind, many: all.filter((each) => each.kind === kind).length }))

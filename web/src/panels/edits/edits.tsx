@@ -1,4 +1,4 @@
-/** The modification history: all steps of the machine as a tree, and a way to any of them. */
+/** Modification history: all steps of the machine as a tree. Any step can be restored. */
 
 import { CornerUpLeft, Redo2, Undo2 } from "lucide-react";
 import { useMemo, useState } from "react";
@@ -86,7 +86,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
-/** A cell has this much at its sides. */
+/** Horizontal padding of a cell, in CSS pixels. */
 const CELL_PADDING_PX = 16;
 
 const PLACES = {
@@ -139,7 +139,7 @@ function columnsOf(
   ];
 }
 
-/** What a step is called: one that only took back or went somewhere says so. */
+/** Name of a step, with a prefix for steps that only undo, redo or jump. */
 function nameOf(kind: string, name: string): string {
   switch (kind) {
     case "undo":

@@ -1,4 +1,4 @@
-/** The lines of the tree of steps in one row of the list. */
+/** Lines of the tree of steps, for one row of the list. */
 
 import type { StepRow } from "../../model/steps.ts";
 
@@ -10,7 +10,7 @@ function x(lane: number): number {
   return 8 + Math.min(lane, LANES_MAX) * LANE_PX;
 }
 
-/** How wide the lines of all rows are, in CSS pixels. */
+/** Width of the lines of all rows, in CSS pixels. */
 export function graphWidth(rows: readonly StepRow[]): number {
   const widest = rows.reduce((most, { lane, above }) => Math.max(most, lane, ...above), 0);
   return x(widest) + 10;

@@ -1,4 +1,4 @@
-/** Makes the machine what it was after a step; asks first if that takes steps of others away. */
+/** Restores the machine as of a step. Asks for confirmation if that undoes steps of other users. */
 
 import type { OpenTab } from "../../store/page/page.ts";
 import type { PanelHost } from "../context.tsx";
@@ -25,7 +25,7 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
   }
 }
 
-/** `this takes 1 step of anna away`, without what programs are told to do about it. */
+/** Such as `this takes 1 step of anna away`: the refusal without its hint for programs. */
 function whatGoes(refusal: string): string {
   return refusal.split(":")[0] ?? refusal;
 }

@@ -1,4 +1,4 @@
-/** What the chosen step changed. */
+/** Changes of the selected step. */
 
 import { useMemo } from "react";
 import { differences } from "../../model/difference.ts";

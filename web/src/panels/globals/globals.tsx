@@ -1,4 +1,4 @@
-/** Global variables: every name that scripts of the machine set or read, and where. */
+/** Global variables: all names that scripts of the machine set or read, with their uses. */
 
 import { Pencil } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
@@ -20,14 +20,14 @@ import { RenameGlobal } from "./rename_global.tsx";
 import { countsInWords, found, placeInWords } from "./words.ts";
 import "./globals.css";
 
-/** A row: a variable, or a place where it is used. */
+/** Row of the list: a variable, or one of its uses. */
 type GlobalNode = {
   readonly id: string;
   readonly variable: GlobalVariable;
   readonly use?: GlobalUse;
 };
 
-/** Scripts of a large machine are not read anew at each key. */
+/** Delay after an edit until the scripts are scanned, in ms. */
 const PATIENCE_MS = 200;
 
 export function Globals() {
@@ -99,7 +99,7 @@ function OfTab({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** The variables once edits have settled; null before the scripts were read for the first time. */
+/** Variables after a pause in the edits; null before the first scan. */
 function useGlobals({ session }: OpenTab): readonly GlobalVariable[] | null {
   const [all, setAll] = useState<readonly GlobalVariable[] | null>(null);
   useEffect(() => {

@@ -1,4 +1,4 @@
-/** Global variables as they are in the run, or were at the moment that is shown. */
+/** Values of global variables in the run, live or at the shown moment. */
 
 import { useEffect } from "react";
 import type { Watch } from "../../store/history/run.ts";
@@ -8,7 +8,7 @@ import { ValueView } from "../parts/value/value_view.tsx";
 
 interface GlobalsInRunProps {
   readonly watch: Watch;
-  /** What the panel is filtered by. */
+  /** Text in the panel's filter. */
   readonly query: string;
 }
 

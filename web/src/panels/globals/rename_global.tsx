@@ -1,4 +1,4 @@
-/** Another name for a global variable: every script that follows is shown before it is done. */
+/** Dialog that renames a global variable, with a preview of the change in every script. */
 
 import { useState } from "react";
 import { performIn } from "../../commands/perform.ts";
@@ -14,7 +14,7 @@ interface RenameGlobalProps {
   readonly page: Page;
   readonly tab: OpenTab;
   readonly variable: GlobalVariable;
-  /** Names that other variables have. */
+  /** Names of the other variables. */
   readonly taken: readonly string[];
   readonly onClose: () => void;
 }

@@ -1,9 +1,9 @@
-/** Global variables in words, and those that a filter finds. */
+/** Texts about global variables, and their filter. */
 
 import type { GlobalUse, GlobalVariable } from "../../model/globals.ts";
 import type { Machine } from "../../model/machine.ts";
 
-/** Variables with all words of the filter in their name, whatever the case. */
+/** Variables with all words of the filter in their names, ignoring case. */
 export function found(
   variables: readonly GlobalVariable[],
   query: string,
@@ -12,13 +12,13 @@ export function found(
   return variables.filter(({ name }) => words.every((word) => name.toLowerCase().includes(word)));
 }
 
-/** `set Scan:3 gvm.set_variable("speed", 1)`. */
+/** Such as `set Scan:3 gvm.set_variable("speed", 1)`. */
 export function placeInWords(machine: Machine, { access, path, line, text }: GlobalUse): string {
   const state = machine.state(path)?.name ?? path;
   return `${access} ${state}${line === null ? "" : `:${line}`} ${text}`;
 }
 
-/** `set once, read 3 times`. */
+/** Such as `set once, read 3 times`. */
 export function countsInWords({ uses }: GlobalVariable): string {
   const set = uses.filter(({ access }) => access === "set").length;
   const read = uses.length - set;

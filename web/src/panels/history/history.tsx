@@ -1,5 +1,5 @@
-/** The history of the run in front: its calls as a tree, each with when, how long and how it ended; what is chosen is shown on the
- * canvas, at its moment. */
+/** History of the run: its calls as a tree, each with start, duration and outcome. A selected call is shown on the canvas, at its
+ * moment. */
 
 import {
   ArrowDown,
@@ -90,7 +90,7 @@ function OfRun({ tab, watch }: HistoryProps) {
   );
 }
 
-/** How much of the run is here, and the ways to the rest of a long one. */
+/** Loaded part of a long run, and buttons for the rest. */
 function Part({ watch }: Pick<HistoryProps, "watch">) {
   const { window, journal, playhead } = watch;
   const last = (journal.next - 1).toLocaleString("en");
@@ -131,7 +131,7 @@ function Part({ watch }: Pick<HistoryProps, "watch">) {
   );
 }
 
-/** Shows the moment of an event by its number, and selects its state; `far` brings that into sight as well. */
+/** Shows the moment of an event, and selects its state. With `far` it also moves the state into view. */
 type ShowEntry = (sequence: number, path: string, far?: boolean) => void;
 
 function useShow(tab: OpenTab, watch: Watch): ShowEntry {
@@ -151,7 +151,7 @@ function pathIn(happening: Happening | undefined): string {
 }
 
 interface HistoryMenu {
-  /** The number of the event that it is about. */
+  /** Sequence number of the event that the menu is about. */
   readonly sequence: number;
   readonly at: { readonly x: number; readonly y: number };
 }
@@ -170,7 +170,7 @@ function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
   const journalVersion = calls.read;
   const isLoading = playhead === null || !watch.window.covers(playhead);
   const shown = isLoading ? NONE : callAbout(calls, shownIndex(watch));
-  // What was chosen here shows already: a loop is not opened because its first call is shown.
+  // A selection in this list is visible already. A loop must not open when its first call is shown.
   const isHere = chosen !== null && ends(chosen).first === shown;
   useEffect(() => {
     if (shown === NONE || isHere) return;
@@ -212,7 +212,7 @@ function CallTree({ tab, watch, show, onMenu }: HistoryListProps) {
   );
 }
 
-/** What stands in the columns. */
+/** Titles of the columns. */
 function Head() {
   return (
     <div className="history-head" aria-hidden>
@@ -235,7 +235,7 @@ function toggled(before: ReadonlySet<string>, id: string, open: boolean): Readon
   return after;
 }
 
-/** So many names of a round are told. */
+/** Maximum number of names in the title of a loop. */
 const NAMES_MAX = 4;
 
 function nameOfNode(node: HistoryNode, calls: Calls, nameOf: NameOf): string {
@@ -288,7 +288,7 @@ function Sign({ node, calls }: Pick<HistoryRowProps, "node" | "calls">) {
   return isBranch ? <CornerDownRight size={13} aria-label="branch" /> : null;
 }
 
-/** How a call ended, by word, sign and colour. */
+/** Outcome of a call, as text, icon and colour. */
 function End({ call, calls }: { readonly call: number; readonly calls: Calls }) {
   const look = lookOf(calls, call);
   const isBad = hasFailed(calls, call);
@@ -314,7 +314,7 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
 function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly query: string }) {
   const nameOf = namesOf(tab.session);
   const { page } = useHost().context();
-  // biome-ignore lint/correctness/useExhaustiveDependencies: names change with the machine only
+  // biome-ignore lint/correctness/useExhaustiveDependencies: names change only with the machine
   const found = useMemo(
     () => new RunSearch(watch, page.runs, query, namesOf(tab.session)),
     [watch, page, query, tab.session.version.peek()],
@@ -359,7 +359,7 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
 
 const NOTHING: ReadonlySet<string> = new Set();
 
-/** The place of the hit whose moment is shown; NONE if none is. */
+/** Index of the hit at the shown moment; NONE if there is no such hit. */
 function shownPlace(watch: Watch, found: RunSearch): number {
   const playhead = watch.playhead.peek();
   if (playhead === null) return NONE;

@@ -1,5 +1,5 @@
-/** The nodes of the history of a run: calls inside one another, loops with their rounds, and long lists in parts. Made when they are
- * opened, never before. */
+/** Nodes of the history of a run: nested calls, loops with their rounds, and parts of long lists. They are created when their
+ * parent opens. */
 
 import { type Calls, NONE } from "../../store/history/calls.ts";
 import { type Fold, Folds } from "../../store/history/folds.ts";
@@ -15,7 +15,7 @@ export type HistoryNode =
   | {
       readonly kind: "round";
       readonly id: string;
-      /** From 1. */
+      /** Number of the round, counted from 1. */
       readonly number: number;
       readonly calls: readonly number[];
     }
@@ -27,7 +27,7 @@ export type HistoryNode =
       readonly nodes: readonly HistoryNode[];
     };
 
-/** A longer list is shown in parts of this length. */
+/** Maximum length of a list. Longer lists are shown in parts of this length. */
 const PART = 200;
 
 export class Nodes {
@@ -38,12 +38,12 @@ export class Nodes {
     this.#calls = calls;
   }
 
-  /** The calls that nothing is around: one for each time the run began. */
+  /** Calls without an outer call: one for each start of the run. */
   roots(): readonly HistoryNode[] {
     return inParts(this.#calls.inside(NONE).map(callNode), "r");
   }
 
-  /** What is inside; null if there is nothing. */
+  /** Content of a node; null if it is empty. */
   inside(node: HistoryNode): readonly HistoryNode[] | null {
     switch (node.kind) {
       case "call":
@@ -57,7 +57,7 @@ export class Nodes {
     }
   }
 
-  /** The ids of what has to be open for a call to show. */
+  /** Ids of the nodes that must be open to show a call. */
   ancestors(call: number): readonly string[] {
     const open: string[] = [];
     const outer: number[] = [];
@@ -123,7 +123,7 @@ function inParts(nodes: readonly HistoryNode[], id: string): readonly HistoryNod
   });
 }
 
-/** Calls of a node that follow one another: the first of all of them, and the last. */
+/** First and last call of a node. */
 export function ends(node: HistoryNode): { readonly first: number; readonly last: number } {
   switch (node.kind) {
     case "call":
@@ -137,7 +137,7 @@ export function ends(node: HistoryNode): { readonly first: number; readonly last
   }
 }
 
-/** How often its states were gone through: steps back are no visits. */
+/** Number of rounds of a loop. Steps backwards do not count. */
 export function timesOf(
   { calls, period }: HistoryNode & { readonly kind: "loop" },
   known: Calls,
@@ -145,7 +145,7 @@ export function timesOf(
   return Math.ceil(visitsIn(calls, known).length / period);
 }
 
-/** How long it lasted: of several calls the sum of the visits, without what was between them. */
+/** Duration of a node. For a loop or round it is the sum of its visits, without the time between them. */
 export function lengthOf(node: HistoryNode, calls: Calls): number {
   const now_ns = calls.journal.t_ns(calls.journal.length - 1);
   const lasted = (from: number, to: number) => calls.ended_ns(to, now_ns) - calls.began_ns(from);

@@ -1,4 +1,4 @@
-/** The ports that a value passes on its way, each to be shown on the canvas. */
+/** Table of the ports that a value passes. Each can be shown on the canvas. */
 
 import { keyOf } from "../../model/element.ts";
 import { type Hop, nameOf } from "../../model/ends.ts";
@@ -12,7 +12,7 @@ interface ChainTableProps {
   readonly context: InspectorContext;
   readonly title: string;
   readonly hops: readonly Hop[];
-  /** What is said if there are none. */
+  /** Text for an empty table. */
   readonly none?: string | undefined;
 }
 

@@ -1,4 +1,4 @@
-/** A field for a colour, or none. */
+/** Field for an optional colour. */
 
 import { X } from "lucide-react";
 import { useEffect, useId, useRef } from "react";
@@ -8,7 +8,7 @@ export type Bytes = readonly [number, number, number];
 
 interface ColourProps {
   readonly label: string;
-  /** As the layout says it: `rgb(20 40 60)`; null for none. */
+  /** Colour as in the layout, such as `rgb(20 40 60)`; null for none. */
   readonly value: string | null;
   readonly disabled?: boolean | undefined;
   readonly onChange: (colour: Bytes | null) => void;
@@ -20,7 +20,7 @@ export function Colour({ label, value, disabled, onChange }: ColourProps) {
   const latest = useRef(onChange);
   latest.current = onChange;
   const hex = value === null ? null : hexOf(value);
-  // React calls onChange while the colour is being chosen; the browser's own event comes once, at the end.
+  // React calls onChange during the selection of a colour; the native event is sent once, at its end.
   useEffect(() => {
     const field = input.current;
     const chosen = () => field && latest.current(bytesOf(field.value));
@@ -58,7 +58,7 @@ export function Colour({ label, value, disabled, onChange }: ColourProps) {
 
 const NO_COLOUR = "#808080";
 
-/** `#14283c` of `rgb(20 40 60)`. */
+/** Converts `rgb(20 40 60)` to `#14283c`. */
 function hexOf(colour: string): string | null {
   const parts = colour.match(/\d+/g)?.slice(0, 3);
   if (parts?.length !== 3) return null;

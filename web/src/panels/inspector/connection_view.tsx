@@ -1,4 +1,4 @@
-/** A transition or data flow in the inspector: both ends, and its waypoints. */
+/** Inspector of a transition or data flow: both ends, and its waypoints. */
 
 import { Trash2 } from "lucide-react";
 import { type ConnectionRef, chain, endsOf, isPort } from "../../model/ends.ts";

@@ -1,4 +1,4 @@
-/** Transitions or data flows of a state: around it, and inside of it. */
+/** Transitions or data flows of a state: around it, and inside. */
 
 import { Plus } from "lucide-react";
 import { useState } from "react";

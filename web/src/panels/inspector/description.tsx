@@ -1,4 +1,4 @@
-/** The description of a state: Markdown, shown as it reads, written as it stands. */
+/** Description of a state: shown as formatted Markdown, edited as plain text. */
 
 import { Pencil } from "lucide-react";
 import { type KeyboardEvent, useId, useState } from "react";
@@ -13,7 +13,7 @@ import { Refusal, useRefusal } from "./refusal.tsx";
 
 const Markdown = onDemand(async () => (await import("./markdown_text.tsx")).Markdown);
 
-/** What a description is shown by. */
+/** Components that are loaded to show a description. */
 export const DESCRIPTION_PARTS = [Markdown];
 
 export function Description({ inspected }: { inspected: InspectedState }) {
@@ -61,7 +61,7 @@ interface WritingProps {
   readonly onDone: () => void;
 }
 
-/** Kept as a draft at each key, applied with Ctrl+Enter and on leaving, given up with Escape. */
+/** Editor of the description. Each key stores a draft. Ctrl+Enter and loss of focus apply it, Escape discards it. */
 function Writing({ inspected: { path, state, edit }, place, onDone }: WritingProps) {
   const id = useId();
   const [refusal, run] = useRefusal();
@@ -115,5 +115,3 @@ function Writing({ inspected: { path, state, edit }, place, onDone }: WritingPro
     </div>
   );
 }
-
-/** Text as Markdown; what could run or load anything is taken out. */

@@ -1,4 +1,4 @@
-/** Texts of the machine that were written here and not applied yet: none is ever lost without a word. */
+/** List of texts that were entered here but not applied. A draft stays listed until it is applied or discarded. */
 
 import { Trash2 } from "lucide-react";
 import { draftKey, drafts, type FieldDraft } from "../../store/document/drafts.ts";

@@ -1,4 +1,4 @@
-/** Chooses where a connection begins or ends: among everything in its container that can. */
+/** Selection of an end of a connection, among all possible ports in its container. */
 
 import { useId, useState } from "react";
 import { type ElementRef, keyOf } from "../../model/element.ts";
@@ -19,21 +19,21 @@ interface EndSelectProps {
   readonly container: string;
   readonly kind: ConnectionRef["kind"];
   readonly end: keyof ConnectionEnds;
-  /** What it is, for everybody: "To". */
+  /** Label of the field, such as "To". */
   readonly label: string;
   readonly hideLabel?: boolean | undefined;
   readonly value: ElementRef | null;
-  /** The other end, whose type is to fit. */
+  /** Other end. The type of this end must match it. */
   readonly other?: ElementRef | null | undefined;
-  /** The state that all this is about: in a table its own ends do not say its name, and those of the container have an arrow. */
+  /** State that the table belongs to. Labels of its own ends omit its name, and those of the container have an arrow. */
   readonly own?: string | undefined;
-  /** What stands there while nothing is chosen; it can be chosen again. */
+  /** Label of the empty choice, which stays available. */
   readonly nothing?: string | undefined;
   readonly disabled?: boolean | undefined;
   readonly onChange: (end: ElementRef | null) => void;
 }
 
-/** All choices are looked up once somebody is about to choose: a container may have thousands. */
+/** Lists all choices only when the user is about to choose: a container may have thousands. */
 export function EndSelect(props: EndSelectProps) {
   const { machine, container, value, nothing, label, hideLabel, disabled, onChange } = props;
   const id = useId();

@@ -1,4 +1,4 @@
-/** A section of the inspector: which ones are folded is remembered, whatever is selected. */
+/** Section of the inspector. Its folding is stored and does not depend on the selection. */
 
 import { signal } from "@preact/signals-core";
 import type { ReactNode } from "react";
@@ -8,7 +8,7 @@ import { useSignal } from "../../ui/signals.ts";
 
 const KEY = "rafcon.inspector.folds";
 
-/** Titles of sections by whether they are open; those that nobody touched are missing. */
+/** True for open sections, by title. Sections that the user never folded or opened are missing. */
 const folds = signal<Readonly<Record<string, boolean>>>(kept(BROWSER_STORE, KEY) ?? {});
 
 function remember(title: string, open: boolean): void {
@@ -20,7 +20,7 @@ interface FoldProps {
   readonly title: string;
   readonly count?: number | undefined;
   readonly actions?: ReactNode;
-  /** Whether it is open as long as nobody has folded or opened one like it. */
+  /** True if the section is open until the user folds or opens one of this title. */
   readonly openAtFirst?: boolean | undefined;
   readonly children: ReactNode;
 }

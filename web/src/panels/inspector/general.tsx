@@ -1,4 +1,4 @@
-/** What a state is: its name, id and kind, where its container starts, and which library it runs. */
+/** General properties of a state: its name, id and kind, the start state of a container, and the library that it runs. */
 
 import { ExternalLink } from "lucide-react";
 import type { StateKind } from "../../model/generated/protocol.ts";
@@ -46,7 +46,7 @@ export function General({ inspected }: { inspected: InspectedState }) {
   );
 }
 
-/** The selection goes with the state to its new path. */
+/** Changes the id, and selects the state at its new path. */
 async function changeId({ path, tab, edit }: InspectedState, text: string): Promise<string | null> {
   const parent = parentOf(path);
   const now = parent === null ? text.trim() : `${parent}/${text.trim()}`;

@@ -1,4 +1,4 @@
-/** Where an outcome leads in the container around its state. */
+/** Target of an outcome in the container around its state. */
 
 import { keyOf } from "../../model/element.ts";
 import { connectionsIn } from "../../model/ends.ts";

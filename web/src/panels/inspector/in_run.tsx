@@ -1,4 +1,4 @@
-/** How the state stands in the run that the tab shows, live or at the moment that is looked at. */
+/** Status of the state in the shown run, live or at the shown moment. */
 
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
@@ -18,7 +18,7 @@ import { GlobalValues, RunValues } from "./in_run_values.tsx";
 import type { InspectedState } from "./inspector_context.ts";
 import "./in_run.css";
 
-/** Numbers that run are read no faster. */
+/** Refresh interval of changing numbers, in ms. */
 const PACE_MS = 200;
 
 const PHASE_WORDS: Readonly<Record<Phase, string>> = {
@@ -41,7 +41,7 @@ export function InRun({ inspected }: { inspected: InspectedState }) {
   );
 }
 
-/** Global variables at the moment that is shown. */
+/** Global variables at the shown moment. */
 export function GlobalsInRun({ inspected }: { inspected: InspectedState }) {
   const watch = useSignal(inspected.tab.run);
   return watch && <Globals inspected={inspected} watch={watch} />;
@@ -91,7 +91,7 @@ function neverInWords({ next, until }: StateStatus, isCaughtUp: boolean): string
   return until === null ? "It has not run yet in this run." : "It had not run yet at this moment.";
 }
 
-/** The event to ask for: none, if the values are at hand. */
+/** Event to request; null if its values are available. */
 function wanted(sequence: number | undefined, values: unknown, always = false): number | null {
   return sequence === undefined || (values !== undefined && !always) ? null : sequence;
 }
@@ -132,7 +132,7 @@ function Facts({ watch, status }: FactsProps) {
   );
 }
 
-/** How long it has been active. Between two truths it goes on, as long as these are heard. */
+/** Time since the state became active. It grows between snapshots while the run is received. */
 function Since({ watch, status }: FactsProps) {
   const sinceSnapshot_ms = useSinceSnapshot(watch);
   return (

@@ -1,4 +1,4 @@
-/** The error by which a state ended last: what it says, where in the script it came up, and the way to there. */
+/** Error of the last end of a state: its message, and a link to its line in the script. */
 
 import { useMemo, useState } from "react";
 import type { EventDetail } from "../../model/generated/protocol.ts";
@@ -17,7 +17,7 @@ interface RunErrorProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly left: VisitEnd;
-  /** The end with its values, once it is here. */
+  /** End with its values; null until it is loaded. */
   readonly detail: EventDetail | null;
 }
 
@@ -72,7 +72,7 @@ function Reason({ inspected, watch, left }: ReasonProps) {
   );
 }
 
-/** Nothing failed: the outcome was meant. */
+/** Text for an outcome that was intended, without a failure. */
 function chosenInWords({ state }: InspectedState): string {
   return state.kind === "execution"
     ? "its script returned this outcome and reported no error"
@@ -93,7 +93,7 @@ function failureOf(watch: Watch, path: string, left: number): ScriptFailure | nu
   return end === null ? null : failureAt(watch.window, path, entered, end);
 }
 
-/** The script's own frame first; the others when asked. */
+/** Shows the frame of the script first, and the others on request. */
 function Place({
   inspected,
   failure: { traceback, text, path },

@@ -1,4 +1,4 @@
-/** The values of a state in a run: each with the moment at which it came there, and from where. */
+/** Values of a state in a run, each with the moment and the state that it came from. */
 
 import { computed } from "@preact/signals-core";
 import { Clock, Eye } from "lucide-react";
@@ -30,7 +30,7 @@ interface RunValuesProps {
   readonly inspected: InspectedState;
   readonly watch: Watch;
   readonly status: StateStatus;
-  /** The last entry and the last end with their values, where the moment does not have them. */
+  /** Last entry and last end with their values, if the snapshot of the moment does not contain these. */
   readonly entry: Detailed;
   readonly end: Detailed;
 }
@@ -104,7 +104,7 @@ function Group({ inspected, watch, until, kind, title, values, refusal }: ValueG
   );
 }
 
-/** Whether all of them came by the same event, from the same state. */
+/** True if all values come from one event of one state. */
 function isOne([first, ...others]: readonly (Origin | null)[]): boolean {
   return others.every((each) => each?.sequence === first?.sequence && each?.path === first?.path);
 }
@@ -126,7 +126,7 @@ interface ValueLineProps {
   readonly target: Target;
   readonly value: unknown;
   readonly origin: Origin | null;
-  /** The event that it is of; null if it is not known. */
+  /** Event of the value; null if unknown. */
   readonly from: number | null;
 }
 
@@ -153,7 +153,7 @@ function Line({ inspected, watch, target, value, origin, from }: ValueLineProps)
   );
 }
 
-/** Puts the value among those that are watched, or takes it away. */
+/** Starts or stops watching the value. */
 function WatchButton({ inspected, target }: { inspected: InspectedState; target: Target }) {
   const { tab, page } = inspected;
   const all = useSignal(useMemo(() => computed(() => watchedOf(tab).value), [tab]));
@@ -178,12 +178,12 @@ function WatchButton({ inspected, target }: { inspected: InspectedState; target:
 }
 
 interface FromProps extends Pick<ValueLineProps, "inspected" | "watch"> {
-  /** Of what it is told. */
+  /** Subject of the sentence. */
   readonly what: string;
   readonly origin: Origin;
 }
 
-/** The event by which something came there, when that was, and which state gave it. */
+/** Event that set the value, with its time and the state that sent it. */
 function From({ inspected, watch, what, origin }: FromProps) {
   useSignal(timeScale);
   const t_ns = watch.window.timeOf(origin.sequence);

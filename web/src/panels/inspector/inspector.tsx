@@ -1,4 +1,4 @@
-/** The inspector: everything about what is selected, in one column. Pinned it stays where it is. */
+/** Inspector: all properties of the selection in one column. A pinned inspector keeps its elements. */
 
 import { ExternalLink, LocateFixed, Pin, PinOff } from "lucide-react";
 import { memo, useDeferredValue, useMemo, useState } from "react";
@@ -28,7 +28,7 @@ import { StateView } from "./state_view.tsx";
 import { pathOf, type Subject, subjectOf } from "./subject.ts";
 import "./inspector.css";
 
-/** What the inspector is kept at. */
+/** Elements that the inspector is pinned to. */
 interface Pinned {
   readonly tab: OpenTab;
   readonly elements: readonly ElementRef[];
@@ -57,7 +57,7 @@ interface OfTabProps {
   readonly onPin: (pinned: Pinned | null) => void;
 }
 
-/** The canvas shows what is selected or edited at once; all this follows without holding it up. */
+/** Defers the update of the inspector, so that the canvas shows selections and edits at once. */
 function OfTab({ tab, pinned, onPin }: OfTabProps) {
   const version = useSignal(tab.session.version);
   const selection = useSignal(tab.view.selection);
@@ -70,7 +70,7 @@ function OfTab({ tab, pinned, onPin }: OfTabProps) {
 
 interface ShownProps extends OfTabProps {
   readonly elements: readonly ElementRef[];
-  /** Of the machine, which stays the same object: another one is another picture. */
+  /** Version of the machine, which is a mutable object. A new version renders the component again. */
   readonly version: number;
 }
 
@@ -95,7 +95,7 @@ function elementsOf(selection: ReadonlySet<ElementKey>): readonly ElementRef[] {
   return [...selection].flatMap((key) => elementOf(key) ?? []);
 }
 
-/** The machine as it is now, and the ways from here to it. */
+/** Current machine, with functions that act on it. */
 function useInspectorContext(tab: OpenTab): InspectorContext {
   const host = useHost();
   const run = useCommand();
@@ -203,7 +203,7 @@ function elementIn(subject: Subject): ElementRef | null {
   }
 }
 
-/** The states around it, each a way there. */
+/** Links to the states around the element. */
 function Way({ inspected, isOfState }: { inspected: InspectedState; isOfState: boolean }) {
   const { path, state, machine } = inspected;
   const around = lineage(path).slice(0, isOfState ? -1 : undefined);
@@ -224,7 +224,7 @@ function Way({ inspected, isOfState }: { inspected: InspectedState; isOfState: b
   );
 }
 
-/** Content of a library is only looked at; the library itself is near. */
+/** Hint that content of a library is read-only, with a link to the library state. */
 function InLibrary({ inspected }: { inspected: InspectedState }) {
   const { path, machine, tab } = inspected;
   const library = nearestLibrary(inspected);
@@ -246,7 +246,7 @@ function InLibrary({ inspected }: { inspected: InspectedState }) {
   );
 }
 
-/** The library state that the state is content of: the nearest one around it. */
+/** Library state with this content: the nearest one around it. */
 function nearestLibrary({ path, machine }: InspectedState): string | null {
   for (let outer = parentOf(path); outer !== null; outer = parentOf(outer))
     if (machine.state(outer)?.kind === "library") return outer;

@@ -1,4 +1,4 @@
-/** What every part of the inspector is given: the machine that is looked at, and the way of edits to it. */
+/** Context of all parts of the inspector: the machine, and functions that edit it. */
 
 import type { ElementRef } from "../../model/element.ts";
 import type { StateDocument } from "../../model/generated/protocol.ts";
@@ -8,7 +8,7 @@ import { wasRefused } from "../../store/document/machine_session.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";
 import { mayEdit, whyFixed } from "../../store/page/rights.ts";
 
-/** What becomes of an edit: refused at once, or what the server answers. Null is well. */
+/** Result of an edit: an immediate refusal, or the response of the server. Null means success. */
 export type Made = string | Promise<string | null>;
 
 /** A machine in the inspector. */
@@ -16,9 +16,9 @@ export interface InspectorContext {
   readonly page: Page;
   readonly tab: OpenTab;
   readonly machine: Machine;
-  /** Makes an edit: null, or why it was refused, which is shown where it was asked for. */
+  /** Applies an edit. Returns null, or the reason of a refusal for display beside the field. */
   readonly edit: (plan: (machine: Machine) => Planned) => Made;
-  /** Selects an element and brings it into sight. */
+  /** Selects an element, and moves it into view. */
   readonly show: (element: ElementRef) => void;
   readonly hover: (element: ElementRef | null) => void;
   readonly run: (command: string, argument?: unknown) => void;
@@ -28,11 +28,11 @@ export interface InspectorContext {
 export interface InspectedState extends InspectorContext {
   readonly path: string;
   readonly state: StateDocument;
-  /** Whether nothing of it may be changed here. */
+  /** True if the state cannot be edited here. */
   readonly readOnly: boolean;
 }
 
-/** Makes an edit: null, or why it was refused. */
+/** Applies an edit; returns null, or the reason of a refusal. */
 export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => Planned): Made {
   const why = whyFixed(page, tab);
   if (why !== null) return why;

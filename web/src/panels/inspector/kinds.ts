@@ -1,4 +1,4 @@
-/** Signs of the kinds of states, and words for all that can be selected. */
+/** Icons of the kinds of states, and names for all selectable elements. */
 
 import {
   ArrowRight,
@@ -48,7 +48,7 @@ export const ELEMENT_WORDS: Readonly<Record<ElementKind, string>> = {
   data_flow: "data flow",
 };
 
-/** `1 state`, `1,300 data flows`. */
+/** Such as `1 state`, `1,300 data flows`. */
 export function counted(count: number, word: string): string {
   return `${count.toLocaleString("en")} ${word}${count === 1 ? "" : "s"}`;
 }

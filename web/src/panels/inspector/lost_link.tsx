@@ -1,4 +1,4 @@
-/** What a state does once the ground is not heard, or nobody commands: its own policies, or those around it. */
+/** Policies of a state for a lost link to the ground, or for a lack of commands: its own, or inherited ones. */
 
 import type { Loss } from "../../model/generated/protocol.ts";
 import {
@@ -32,7 +32,7 @@ const FIELDS: Readonly<Record<LossMeasure, { readonly label: string; readonly hi
   },
 };
 
-/** What a policy begins with when a person chooses to act: a pause after half a minute. */
+/** Initial policy when the user adds one: pause after half a minute. */
 const FIRST: LossPolicy = { hold_s: 30 };
 
 export function LostLink({ inspected }: { inspected: InspectedState }) {

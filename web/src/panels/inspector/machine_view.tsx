@@ -1,4 +1,4 @@
-/** The machine in the inspector, while nothing is selected: what it is, how large it is, and its interface. */
+/** Inspector of the machine while nothing is selected: its general properties, its size, and its interface. */
 
 import { useMemo } from "react";
 import type { StateKind } from "../../model/generated/protocol.ts";
@@ -68,7 +68,7 @@ const PATIENCE_MS = 200;
 
 function Counts({ tab: { session } }: { tab: OpenTab }) {
   const version = useDebounced(useSignal(session.version), PATIENCE_MS);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine is a mutable object; its version changes with it
   const counts = useMemo(() => countsOf(session.machine), [session, version]);
   const [states] = counts;
   return (
@@ -85,7 +85,7 @@ function Counts({ tab: { session } }: { tab: OpenTab }) {
   );
 }
 
-/** States in all, those of each kind, and connections; kinds that are not there are left out. */
+/** Number of states in total and of each kind, and of connections. Kinds without states are left out. */
 function countsOf(machine: Machine): readonly (readonly [string, number])[] {
   const kinds = new Map<StateKind, number>();
   let [states, transitions, flows, depth] = [0, 0, 0, 0];

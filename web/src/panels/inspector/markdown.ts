@@ -1,12 +1,12 @@
-/** Markdown of a description as HTML that can do no harm: only what text needs gets through, by a list of what is allowed, and only
- * as much as the page can show. */
+/** Converts the Markdown of a description to safe HTML: only the tags and attributes in an allowlist, up to a size that the page
+ * can show. */
 
 import DOMPurify from "dompurify";
 import { Lexer, Marked, type Token, type TokensList } from "marked";
 
-/** Characters of a description that are formatted. */
+/** Maximum number of characters of a description that are formatted. */
 export const FORMATTED_MAX = 32_000;
-/** Levels of lists, quotations and emphasis inside each other that are formatted. */
+/** Maximum nesting of lists, quotations and emphasis that is formatted. */
 export const NESTING_MAX = 16;
 
 const TAGS = [
@@ -19,7 +19,7 @@ const purify = DOMPurify(window);
 
 purify.addHook("afterSanitizeAttributes", (node) => {
   if (!node.hasAttribute("href")) return;
-  // A click leaves the page where it is.
+  // A click opens the link in another tab.
   node.setAttribute("target", "_blank");
   node.setAttribute("rel", "noopener noreferrer");
 });
@@ -33,14 +33,14 @@ const marked = new Marked({
   },
 });
 
-/** Renames handlers: browsers complain of those in HTML that is only read. They would be taken away afterwards in any case. */
+/** Renames event handlers, because browsers log errors for those in inert HTML. The sanitizer would remove them later. */
 export function withoutHandlers(html: string): string {
   return html.replace(/<[a-z][^>]*>?/gi, (tag) =>
     tag.replace(/([\s"'/])on\w+\s*=/gi, "$1data-no="),
   );
 }
 
-/** Reads Markdown to a bounded depth. Deeper parts stay as they are written. */
+/** Parses Markdown up to a maximum depth. Deeper parts stay plain text. */
 class BoundedLexer extends Lexer {
   isTooDeep = false;
   #depth = 0;
@@ -70,16 +70,16 @@ class BoundedLexer extends Lexer {
   }
 }
 
-/** HTML of a description, not safe yet. */
+/** HTML of a description, not sanitized yet. */
 interface Formatted {
   readonly html: string;
-  /** Characters that it has of the text. */
+  /** Number of characters of the text that the HTML contains. */
   readonly length: number;
-  /** True for parts that are nested too deep to be formatted. */
+  /** True if parts are nested too deep to be formatted. */
   readonly isTooDeep: boolean;
 }
 
-/** Formats the beginning of a text, in time that does not depend on how long or deep the text is. */
+/** Formats the beginning of a text. The time does not depend on the length or nesting of the text. */
 export function formatted(text: string): Formatted {
   const beginning = beginningOf(text);
   const lexer = new BoundedLexer({ ...marked.defaults });
@@ -87,7 +87,7 @@ export function formatted(text: string): Formatted {
   return { html, length: beginning.length, isTooDeep: lexer.isTooDeep };
 }
 
-/** Whole lines, if the last one is not long. */
+/** Beginning of a text, cut after a whole line unless the last line is long. */
 function beginningOf(text: string): string {
   if (text.length <= FORMATTED_MAX) return text;
   const end = text.lastIndexOf("\n", FORMATTED_MAX);

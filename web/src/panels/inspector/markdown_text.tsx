@@ -1,4 +1,4 @@
-/** Markdown as it reads, up to a limit; beyond it the plain text. */
+/** Formatted Markdown, up to a limit. A button shows the full plain text. */
 
 import { useMemo, useState } from "react";
 import { Button } from "../../ui/button.tsx";
@@ -29,13 +29,13 @@ function FormattedText({ html }: { html: string }) {
   return (
     <div
       className="inspector-markdown"
-      // biome-ignore lint/security/noDangerouslySetInnerHtml: DOMPurify has taken out what could do harm
+      // biome-ignore lint/security/noDangerouslySetInnerHtml: DOMPurify has sanitized it
       dangerouslySetInnerHTML={{ __html: html }}
     />
   );
 }
 
-/** Characters of a piece. The browser lays out only the pieces in sight. */
+/** Characters per piece. The browser lays out only visible pieces. */
 const PIECE = 10_000;
 
 function PlainText({ text }: { text: string }) {

@@ -1,4 +1,4 @@
-/** An outcome in the inspector: its name, where it leads, and what leads to it. */
+/** Inspector of an outcome: its name, its target, and the connections that lead to it. */
 
 import { keyOf } from "../../model/element.ts";
 import { type Connection, connectionInWords, connectionsIn } from "../../model/ends.ts";

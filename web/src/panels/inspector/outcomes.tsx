@@ -1,4 +1,4 @@
-/** The ways in which a state can end, and where each leads. */
+/** Outcomes of a state, each with its target. */
 
 import { Plus } from "lucide-react";
 import type { OutcomeDocument } from "../../model/generated/protocol.ts";
@@ -102,7 +102,7 @@ export function Outcomes({ inspected }: { inspected: InspectedState }) {
   );
 }
 
-/** Own outcomes first, aborted and preempted last. */
+/** Order: the state's own outcomes first, aborted and preempted last. */
 function asPeopleRead(one: OutcomeDocument, other: OutcomeDocument): number {
   const isLast = Number(one.id < 0) - Number(other.id < 0);
   return isLast === 0 ? Math.abs(one.id) - Math.abs(other.id) : isLast;

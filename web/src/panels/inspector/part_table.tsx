@@ -1,4 +1,4 @@
-/** Ports or outcomes as a table whose rows are copied, cut, pasted and removed, by keys and by its menu. */
+/** Table of ports or outcomes. Its rows are copied, cut, pasted and removed by keys or by its menu. */
 
 import { ClipboardPaste } from "lucide-react";
 import { type ClipboardEvent, useRef, useState } from "react";
@@ -24,9 +24,9 @@ interface PartTableProps<T> extends PartsOf {
   readonly label: string;
   readonly rows: readonly T[];
   readonly columns: readonly TableColumn<T>[];
-  /** The id of a row that was just added by its button, to be edited at once. */
+  /** Id of a row that was just added by the button, to edit it at once. */
   readonly added?: number | undefined;
-  /** Whether rows may come and go. */
+  /** True if rows can be added and removed. */
   readonly canChange: boolean;
 }
 
@@ -111,7 +111,7 @@ export function PartTable<T extends { readonly id: number }>(props: PartTablePro
   );
 }
 
-/** Knows which row came after its button was pressed, and the way to say that it is pressed. */
+/** Finds the row that was added by a button. Returns its id, and a function to call when the button is pressed. */
 export function useAdded(
   rows: readonly { readonly id: number }[],
 ): readonly [number | undefined, () => void] {
@@ -131,7 +131,7 @@ function refOf({ inspected, kind }: PartsOf, { id }: { readonly id: number }): E
   return { kind, path: inspected.path, id };
 }
 
-/** Pastes what is on the clipboard as rows of this table. */
+/** Pastes the clipboard as rows of this table. */
 async function pasteInto(
   { inspected, kind }: PartsOf,
   transfer: TextTransfer | null,
@@ -141,7 +141,7 @@ async function pasteInto(
   return inspected.edit((now) => pasteParts(now, inspected.path, partsIn(clip), kind));
 }
 
-/** The way to paste into a table that has no rows yet. */
+/** Button that pastes into an empty table. */
 export function PasteButton({ words, ...parts }: PartsOf & { readonly words: string }) {
   return (
     <IconButton

@@ -1,4 +1,4 @@
-/** Where a state stands in its container, how large it is, and its colour. */
+/** Position of a state in its container, its size, and its colour. */
 
 import { useState } from "react";
 import type { Box } from "../../model/geometry.ts";

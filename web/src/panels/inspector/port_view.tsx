@@ -1,4 +1,4 @@
-/** A port or scoped variable in the inspector: what it is, what feeds it, and what it feeds, from end to end. */
+/** Inspector of a port or scoped variable: its properties, its sources, and its targets, across all levels. */
 
 import { textOfDefault } from "../../model/default_text.ts";
 import { keyOf } from "../../model/element.ts";

@@ -1,4 +1,4 @@
-/** The inputs, outputs or scoped variables of a state, as a table that is edited in place. */
+/** Inputs, outputs or scoped variables of a state, as a table that is edited in place. */
 
 import { Plus } from "lucide-react";
 import { readDefault, textOfDefault } from "../../model/default_text.ts";
@@ -154,7 +154,7 @@ function Value({ value, faint = false }: { value: string; faint?: boolean }) {
   );
 }
 
-/** What becomes of a text that is to be the value of a port. */
+/** Plan for the text of a port's value. */
 export function read(
   text: string,
   port: PortDocument,
@@ -164,7 +164,7 @@ export function read(
   return isRefused(literal) ? literal : then(literal.value);
 }
 
-/** A library state has the library's defaults, and may use values of its own instead. */
+/** Columns of a library state, which has the defaults of its library but may override them. */
 function libraryColumns(
   { path, state, readOnly, edit }: InspectedState,
   kind: PortKind,
@@ -216,7 +216,7 @@ function libraryColumns(
   ];
 }
 
-/** Types that are offered: the usual ones, and those that the machine uses. */
+/** Suggested types: the common ones, and those in the machine. */
 export function typesIn(machine: Machine): readonly string[] {
   const types = new Set(COMMON_TYPES);
   for (const path of machine.paths()) {

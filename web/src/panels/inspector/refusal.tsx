@@ -1,9 +1,9 @@
-/** Why what was just asked for was refused, at its place. */
+/** Reason of a refusal, shown beside the field. */
 
 import { useCallback, useState } from "react";
 import type { Made } from "./inspector_context.ts";
 
-/** The last refusal, and the way to wait for what may be refused. */
+/** Last refusal, and a function that runs an edit and stores its refusal. */
 export function useRefusal(): readonly [string | null, (made: Made) => void] {
   const [refusal, setRefusal] = useState<string | null>(null);
   const run = useCallback((made: Made) => {

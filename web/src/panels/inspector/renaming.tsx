@@ -1,4 +1,4 @@
-/** Asks what a rename does in the script before it is done: every place is shown. */
+/** Dialog before a rename that shows its effect on the script, line by line. */
 
 import { type ReactNode, useRef, useState } from "react";
 import type { ElementRef } from "../../model/element.ts";
@@ -21,7 +21,7 @@ interface RenamingQuestion {
   readonly answer: (choice: RenamingChoice) => void;
 }
 
-/** The way to rename a port or outcome, and the dialog that asks, to be put somewhere. */
+/** Returns a function that renames a port or outcome, and the dialog to render. */
 export function useRenaming(
   inspected: InspectedState,
 ): readonly [(element: ElementRef, name: string) => Made | CommitQuestion, ReactNode] {
@@ -49,7 +49,7 @@ export function useRenaming(
     const from = nameOf(inspected.machine, element);
     const isPlain = name === "" || calls(inspected, element, from).uses.length === 0;
     if (isPlain) return inspected.edit((now) => renameElement(now, element, name, false));
-    // Leaving the cell for the dialog commits once more: that is the same question.
+    // The focus change to the dialog commits the cell again: that must not open another dialog.
     asked.current ??= {
       asked: afterAsking(element, name, from).finally(() => {
         asked.current = null;
@@ -64,7 +64,7 @@ function draftOf({ tab, path }: InspectedState): FieldDraft | undefined {
   return drafts.get({ machine: tab.session.id, path, field: "script" });
 }
 
-/** The places in the script as the user sees it. */
+/** Uses of the name in the script as the user sees it, including the draft. */
 function calls(inspected: InspectedState, element: ElementRef, name: string) {
   const script = draftOf(inspected)?.text ?? inspected.state.script ?? "";
   const uses = scriptUses(script).filter((use) => use.of === element.kind && use.name === name);

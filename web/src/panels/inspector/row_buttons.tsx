@@ -1,17 +1,17 @@
-/** The buttons at the end of a row: shows its element on the canvas, and removes it. */
+/** Buttons at the end of a row: show the element on the canvas, and remove it. */
 
 import { Crosshair, Trash2 } from "lucide-react";
 import { IconButton } from "../../ui/button.tsx";
 
 interface RowButtonsProps {
-  /** What the row is about: "input speed". */
+  /** Name of the row's element, such as "input speed". */
   readonly what: string;
   readonly onShow: () => void;
-  /** Left out: it cannot be removed. */
+  /** Undefined if the element cannot be removed. */
   readonly onRemove?: (() => void) | undefined;
 }
 
-/** Of the column in which they stand. */
+/** Width of the column of buttons. */
 export const ROW_BUTTONS_WIDTH = "calc(2 * var(--row) + 10px)";
 
 export function RowButtons({ what, onShow, onRemove }: RowButtonsProps) {

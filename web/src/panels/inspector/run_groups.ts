@@ -1,4 +1,4 @@
-/** Which values of a state in a run are shown: inputs, outputs and scoped variables, each up to the event that its values are of. */
+/** Groups of values of a state in a run: inputs, outputs and scoped variables, each valid up to an event. */
 
 import type { Event } from "../../model/generated/protocol.ts";
 import type { PortKind } from "../../model/machine.ts";
@@ -8,16 +8,16 @@ import type { Detailed } from "../parts/value/use_detail.ts";
 export interface RunGroup {
   readonly kind: PortKind;
   readonly title: string;
-  /** Null if they were not kept, undefined while they are on their way. */
+  /** Null if the values were not stored, undefined while they are loading. */
   readonly values: Values | null | undefined;
-  /** Why they cannot be had. */
+  /** Reason why the values are unavailable. */
   readonly refusal: string | null;
-  /** The event up to which they count: where they came from is told for these and not for newer ones. Null: all that is known. */
+  /** Event up to which the values are valid, and their origins are searched. Null for the newest event. */
   readonly until: number | null;
 }
 
-/** `entry` and `end`: the last entry and the last end with their values, where the moment does not have them; while they are asked
- * for, those before. */
+/** `entry` and `end` are the last entry and the last end with their values, used if the snapshot does not contain these. While
+ * they load, they are the previous ones. */
 export function runGroups(
   status: StateStatus,
   entry: Detailed,

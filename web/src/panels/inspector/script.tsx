@@ -1,4 +1,4 @@
-/** The script of a state: written as a draft that the browser keeps until it is applied, one step of the history. */
+/** Script of a state. Edits are a draft in the browser until they are applied as one step of the history. */
 
 import { Check, RotateCcw } from "lucide-react";
 import { setScript } from "../../plan/states.ts";
@@ -13,7 +13,7 @@ import { Refusal, useRefusal } from "./refusal.tsx";
 const ScriptCode = onDemand(async () => (await import("./script_code.tsx")).ScriptCode);
 const ScriptConflict = onDemand(async () => (await import("./script_conflict.tsx")).ScriptConflict);
 
-/** What the script of a state is shown by. */
+/** Components that are loaded to show the script. */
 export const SCRIPT_PARTS = [ScriptCode, ScriptConflict];
 
 export function Script({ inspected }: { inspected: InspectedState }) {

@@ -1,9 +1,9 @@
-/** Asks the server what Python's parser says of a script, and whether the script fits its state. */
+/** Requests the syntax check of a script from the server, and the check against its state. */
 
 import type { CheckScript, ScriptPlace, ScriptProblem } from "../../model/generated/protocol.ts";
 import type { Page } from "../../store/page/page.ts";
 
-/** If the server cannot say, that is told as a note on the first line. */
+/** Returns the problems of a script. If the check fails, the first line has a note. */
 export function checkScript(
   page: Page,
   state: ScriptPlace | null,

@@ -1,4 +1,4 @@
-/** The editor of a script. Knows what it shows; loaded when a script is first shown. */
+/** Editor of a script, bound to its state. Loaded when a script is first shown. */
 
 import { useEffect, useMemo, useRef } from "react";
 import { globalsOf } from "../../model/globals.ts";
@@ -17,7 +17,7 @@ interface ScriptCodeProps {
   readonly onApply: () => void;
 }
 
-/** The editor lives as long as the same state is shown; what comes from outside is put in. */
+/** Keeps one editor for a state, and updates its text after changes from outside. */
 export function ScriptCode({ inspected, text, onType, onApply }: ScriptCodeProps) {
   const place = useRef<HTMLDivElement>(null);
   const editor = useRef<ScriptEditor | null>(null);
@@ -60,7 +60,7 @@ export function ScriptCode({ inspected, text, onType, onApply }: ScriptCodeProps
 const LINE_PX = 18;
 const [SHORT_PX, TALL_PX] = [120, 420];
 
-/** As tall as its text at first; whoever wants it otherwise drags its corner. */
+/** Initial height, which fits the text. The user can drag the corner. */
 function heightOf(text: string): number {
   const lines = text.split("\n").length + 2;
   return Math.min(TALL_PX, Math.max(SHORT_PX, lines * LINE_PX));

@@ -1,4 +1,4 @@
-/** Somebody changed the script while it was being written: both side by side, and what to do. */
+/** Conflict with a change of the script by another user during editing: both versions side by side, and the choices. */
 
 import { defaultKeymap, history, historyKeymap } from "@codemirror/commands";
 import { MergeView } from "@codemirror/merge";
@@ -10,12 +10,12 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { pythonText } from "./code/script_editor.ts";
 
 interface ScriptConflictProps {
-  /** What the machine says now. */
+  /** Current text in the machine. */
   readonly theirs: string;
   readonly mine: string;
   readonly onMine: () => void;
   readonly onTheirs: () => void;
-  /** Goes on with a text that takes account of both. */
+  /** Continues with a text merged from both. */
   readonly onKeep: (merged: string) => void;
 }
 

@@ -1,4 +1,4 @@
-/** Several selected elements in the inspector: what they have in common, and what can be done with all of them. */
+/** Inspector of several elements: their common properties, and actions for all of them. */
 
 import type { CommandContext, UserCommand } from "../../commands/command.ts";
 import { type ElementRef, keyOf } from "../../model/element.ts";
@@ -18,7 +18,7 @@ import { Refusal, useRefusal } from "./refusal.tsx";
 interface SeveralViewProps {
   readonly context: InspectorContext;
   readonly elements: readonly ElementRef[];
-  /** Whether they are what is selected: commands act on the selection. */
+  /** True if the elements are the selection, which commands act on. */
   readonly isSelected: boolean;
 }
 
@@ -76,7 +76,7 @@ function Chosen({
   );
 }
 
-/** What the menus Edit and Arrange can do with several elements now. */
+/** Commands of the menus Edit and Arrange that are available for several elements. */
 function Actions({ run }: { run: InspectorContext["run"] }) {
   const { commands, context } = useHost();
   const now = context();

@@ -1,4 +1,4 @@
-/** The planner annotation of a state: as a library, the state is a skill that engines plan with. */
+/** Planner annotation of a state. It makes the library with this state a skill for planning engines. */
 
 import { Plus, Trash2 } from "lucide-react";
 import {

@@ -1,4 +1,4 @@
-/** The fields of a planner annotation, with completion and checks. */
+/** Fields of a planner annotation, with completion and checks. */
 
 import { TriangleAlert } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";
@@ -95,7 +95,7 @@ interface ActionProps {
   readonly onApply: (text: string) => void;
 }
 
-/** The action as it is typed; it is applied with Ctrl+Enter or when the field is left. */
+/** Editor of the action. Ctrl+Enter and loss of focus apply it. */
 function Action({ notes, readOnly, onApply }: ActionProps) {
   const known = useSignal(knownWords);
   const [typed, setTyped] = useState<string | null>(null);
@@ -104,8 +104,7 @@ function Action({ notes, readOnly, onApply }: ActionProps) {
     () => wordsOfNotes({ ...notes, pddl_action: text }, known),
     [notes, text, known],
   );
-  // What was typed stays until the machine has it, or another text.
-  // biome-ignore lint/correctness/useExhaustiveDependencies: whenever the machine's text is another one
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the typed text is kept until the machine's text changes
   useEffect(() => setTyped(null), [notes.pddl_action]);
   const apply = () => {
     if (typed !== null && typed !== notes.pddl_action) onApply(typed);

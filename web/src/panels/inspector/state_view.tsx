@@ -1,4 +1,4 @@
-/** A state in the inspector: everything about it in one column. */
+/** Inspector of a state: all its properties in one column. */
 
 import { isContainer } from "../../model/machine.ts";
 import { Connections } from "./connections.tsx";

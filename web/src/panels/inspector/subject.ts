@@ -1,4 +1,4 @@
-/** What the inspector is about: what is selected, as far as it is still there. */
+/** Subject of the inspector: the selected elements that still exist. */
 
 import type { ElementRef } from "../../model/element.ts";
 import { type ConnectionRef, type DataPort, isConnection, isPort } from "../../model/ends.ts";
@@ -13,7 +13,7 @@ export type Subject =
   | { readonly kind: "connection"; readonly connection: ConnectionRef }
   | { readonly kind: "several"; readonly elements: readonly ElementRef[] };
 
-/** What these elements come to; those that are gone do not count. The income is part of its state. */
+/** Subject for these elements. Deleted ones are ignored; the income counts as its state. */
 export function subjectOf(machine: Machine, elements: readonly ElementRef[]): Subject {
   const there = elements.filter((element) => isThere(machine, element));
   const [only] = there;
@@ -25,7 +25,7 @@ export function subjectOf(machine: Machine, elements: readonly ElementRef[]): Su
   return { kind: "state", path: only.path };
 }
 
-/** The state that has the subject. */
+/** State that the subject belongs to. */
 export function pathOf(machine: Machine, subject: Subject): string {
   switch (subject.kind) {
     case "machine":

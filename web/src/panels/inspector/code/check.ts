@@ -1,4 +1,4 @@
-/** Problems of a script at their places in the text, with a button for each edit of the machine that mends one. */
+/** Problems of a script at their positions in the text, with a button for each available repair. */
 
 import type { Diagnostic } from "@codemirror/lint";
 import type { Text } from "@codemirror/state";
@@ -10,7 +10,7 @@ const SHOWN: Readonly<Record<Severity, Diagnostic["severity"]>> = {
   note: "info",
 };
 
-/** Where the problems show; what the parser does not place shows up to the end of its line. */
+/** Diagnostics for the editor. A problem without an end position extends to the end of its line. */
 export function diagnostics(
   text: Text,
   problems: readonly ScriptProblem[],
@@ -34,7 +34,7 @@ function lineOf(text: Text, line: number) {
   return text.line(Math.max(1, Math.min(text.lines, line)));
 }
 
-/** At least one character wide, so that it can be seen. */
+/** Extends an empty range to one character, to make it visible. */
 function seen(
   text: Text,
   from: number,

@@ -1,9 +1,9 @@
-/** What can be written at a place of a script: names of the state's ports and outcomes, of global variables, and what `self`,
- * `gvm` and `dialog` have (docs/scripts.md). */
+/** Completions in a script: names of the state's ports and outcomes, of global variables, and of members of `self`, `gvm` and
+ * `dialog` (docs/scripts.md). */
 
 import type { Completion, CompletionContext, CompletionResult } from "@codemirror/autocomplete";
 
-/** What the script of a state can name. */
+/** Names that the script of a state can use. */
 export interface ScriptNames {
   readonly inputs: readonly Named[];
   readonly outputs: readonly Named[];
@@ -13,11 +13,11 @@ export interface ScriptNames {
 
 export interface Named {
   readonly name: string;
-  /** Its type, or what it is. */
+  /** Type or kind of the named object. */
   readonly detail: string;
 }
 
-/** Completes names of this state; what they are is asked at each key. */
+/** Completes names of this state. `names` is called for each completion. */
 export function nameCompletion(names: () => ScriptNames) {
   return (context: CompletionContext): CompletionResult | null => {
     const line = context.state.doc.lineAt(context.pos);
@@ -33,10 +33,10 @@ export function nameCompletion(names: () => ScriptNames) {
 }
 
 interface FoundCompletions {
-  /** What stands of it already. */
+  /** Part of the name that is typed already. */
   readonly typed: string;
   readonly options: readonly Completion[];
-  /** Whether it is inside of quotes. */
+  /** True inside quotes. */
   readonly isText: boolean;
 }
 
@@ -46,7 +46,7 @@ const RETURN =
   /(?:^|[\s:])return\s+(?:(?:[^"'#]|"[^"]*"|'[^']*')*(?:\belse|\bor)\s+)?(["']?)([^"'\s]*)$/;
 const MEMBER = /\b(self\.logger|self|gvm|global_variable_manager|dialog)\.(\w*)$/;
 
-/** What fits behind the beginning of a line; `after` is the rest of the line. */
+/** Completions after the beginning of a line; `after` is the rest of the line. */
 export function completionsAt(
   before: string,
   after: string,
@@ -74,7 +74,7 @@ export function completionsAt(
   return { typed, options: MEMBERS[owner] ?? [], isText: false };
 }
 
-/** Names as texts: inside of quotes as they are, otherwise with quotes of their own. */
+/** Names as Python strings. Outside quotes each completion adds its own. */
 function texts(
   list: readonly Named[],
   type: string,

@@ -1,4 +1,4 @@
-/** An editor for Python: highlighting, folding, search, completion, problems in place. Knows nothing of React. */
+/** Editor for Python with highlighting, folding, search, completion and inline problems. It does not depend on React. */
 
 import {
   autocompletion,
@@ -43,24 +43,24 @@ import { nameCompletion, type ScriptNames } from "./complete.ts";
 interface ScriptEditorOptions {
   readonly text: string;
   readonly readOnly: boolean;
-  /** What it is, for screen readers: "Script of Scan". */
+  /** Label for screen readers: "Script of Scan". */
   readonly label: string;
   readonly names: () => ScriptNames;
-  /** What is wrong with a text. */
+  /** Returns the problems of a text. */
   readonly check: (script: string) => Promise<readonly ScriptProblem[]>;
-  /** Makes an edit of the machine that mends a problem. */
+  /** Applies an edit of the machine that repairs a problem. */
   readonly onRepair: (repair: Repair) => Promise<void>;
-  /** Told at each change that was typed here. */
+  /** Called after each change by the user. */
   readonly onType: (text: string) => void;
   readonly onApply: () => void;
 }
 
 export interface ScriptEditor {
   readonly view: EditorView;
-  /** Puts another text in, as one step that can be undone; nothing if it stands there already. */
+  /** Replaces the text as one undoable step. An unchanged text has no effect. */
   readonly put: (text: string) => void;
   readonly setReadOnly: (readOnly: boolean) => void;
-  /** Shows a line, from 1, and puts the cursor there. */
+  /** Shows a line, counted from 1, and puts the cursor there. */
   readonly goTo: (line: number) => void;
 }
 
@@ -100,7 +100,7 @@ export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): 
   return { view, put, setReadOnly, goTo };
 }
 
-/** What leads from one text to the other in the middle of what is the same: the cursor stays where it is. */
+/** Change between two texts without their common beginning and end. It keeps the position of the cursor. */
 export function difference(before: string, after: string): ChangeSpec | null {
   if (before === after) return null;
   const most = Math.min(before.length, after.length);
@@ -126,7 +126,7 @@ function readable(readOnly: boolean): Extension {
   return EditorState.readOnly.of(readOnly);
 }
 
-/** How Python looks, in every place where it is shown. */
+/** Extensions for Python text, editable or not. */
 export function pythonText(label: string): Extension {
   return [
     python(),
@@ -146,7 +146,7 @@ export function pythonText(label: string): Extension {
   ];
 }
 
-/** The machine around the script is another one: the same text may fit now. */
+/** Checks the unchanged text again after the machine has changed. */
 const checkAgain = StateEffect.define<null>();
 
 function isChangedElsewhere(update: ViewUpdate): boolean {
