@@ -1,4 +1,4 @@
-/** Signs and words of the kinds of states, for lists. */
+/** Icons and names of the kinds of states, for lists. */
 
 import { GitFork, Layers, Library, type LucideIcon, Split, SquareCode, Zap } from "lucide-react";
 import type { StateKind } from "../model/generated/protocol.ts";

@@ -1,4 +1,4 @@
-/** What a library is: its description, outcomes and ports. */
+/** Details of a library: its description, outcomes and ports. */
 
 import { useEffect, useState } from "react";
 import { libraryMachine } from "../../commands/insert.ts";
@@ -24,7 +24,7 @@ export function About({ library }: { readonly library: LibraryName }) {
   );
 }
 
-/** The root state of the library's machine; null until it is here. */
+/** Root state of the library's machine; null until it is loaded. */
 function useRoot(library: LibraryName): KnownRoot {
   const { context } = useHost();
   const [known, setKnown] = useState<KnownRoot>(null);

@@ -1,4 +1,4 @@
-/** Library states of the machine in front whose libraries have changed, with what mends them. */
+/** Library states of the active machine with changed libraries, and the commands that update them. */
 
 import { Wrench } from "lucide-react";
 import type { MachineProblem } from "../../model/generated/protocol.ts";
@@ -31,7 +31,7 @@ function isAboutLibrary({ rule }: MachineProblem): boolean {
   return /^library|^runtime_?value/i.test(rule);
 }
 
-/** With the path of the state in front, as problems have it, for its name. */
+/** Message with the name of the state in place of its path at the beginning. */
 function inWords({ session }: OpenTab, { path, message }: MachineProblem): string {
   const name = session.machine.state(path)?.name;
   const [, rest] = /^[^:]*: (.*)$/s.exec(message) ?? [];

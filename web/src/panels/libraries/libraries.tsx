@@ -1,4 +1,4 @@
-/** All libraries that machines can use: to drag in, to open, to put in the place of a state, to see where they are used. */
+/** Libraries that machines can use. They can be dragged into a machine, opened, substituted for a state, or searched for uses. */
 
 import { ChevronsDownUp, Folder, FolderTree, Library as LibrarySign } from "lucide-react";
 import { type DragEvent, useEffect, useMemo, useState } from "react";

@@ -1,4 +1,4 @@
-/** What can be done with a library: added, opened, put in the place of the selected state, looked for where it is used. */
+/** Menu of a library: add it, open it, substitute it for the selected state, or find its uses. */
 
 import { libraryMachine } from "../../commands/insert.ts";
 import { openLibraryMachine } from "../../commands/library_machine.ts";

@@ -1,19 +1,19 @@
-/** Library roots, folders and libraries as the nodes of a tree, and those that fit a filter. */
+/** Library roots, folders and libraries as nodes of a tree, with a filter. */
 
 import type { LibraryName, LibraryNode, LibraryRoot } from "../../model/generated/protocol.ts";
 import { match, queryOf, type TextSpan } from "../../model/match.ts";
 
 export interface LibraryTreeNode {
-  /** The root and folders down to it, joined by `/`. */
+  /** Names of the root and the folders down to the node, joined by `/`. */
   readonly key: string;
   readonly name: string;
-  /** Null of a library. */
+  /** Null for a library. */
   readonly children: readonly LibraryTreeNode[] | null;
-  /** Of a library: how library states name it. */
+  /** Name of a library as in library states; null for other nodes. */
   readonly library: LibraryName | null;
-  /** Of a root: where it lies. */
+  /** Folder of a root; null for other nodes. */
   readonly folder: string | null;
-  /** What fits the filter in its name. */
+  /** Parts of the name that match the filter. */
   readonly spans: readonly TextSpan[];
 }
 
@@ -41,7 +41,7 @@ function nodeOf(path: string, { name, kind, children }: LibraryNode): LibraryTre
   };
 }
 
-/** The nodes that fit, with everything inside them, and the folders around. */
+/** Nodes that match, with everything inside them, and the folders around them. */
 export function matching(
   nodes: readonly LibraryTreeNode[],
   text: string,
@@ -56,7 +56,7 @@ export function matching(
   });
 }
 
-/** Keys of all that can be opened. */
+/** Keys of all nodes that can be expanded. */
 export function foldersIn(nodes: readonly LibraryTreeNode[]): ReadonlySet<string> {
   const keys = new Set<string>();
   const add = ({ key, children }: LibraryTreeNode) => {

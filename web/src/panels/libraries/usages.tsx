@@ -1,4 +1,4 @@
-/** Where a library is used: in open machines and in files; a click leads there. */
+/** Uses of a library in open machines and in files. A click opens the use. */
 
 import { X } from "lucide-react";
 import { useEffect, useMemo, useState } from "react";

@@ -1,4 +1,4 @@
-/** The chosen line of the log in full, and where it leads: to its state, to its moment, to a line of a script. */
+/** Selected line of the log in full, with links to its state, its moment, and a line of a script. */
 
 import { Clock, Copy, X } from "lucide-react";
 import type { Watch } from "../../store/history/run.ts";
@@ -12,7 +12,7 @@ interface ChosenLineProps {
   readonly entry: LogEntry;
   readonly watch: Watch | null;
   readonly stateName: string;
-  /** Null where the page shows no run. */
+  /** Null if the page shows no run. */
   readonly onMoment: (() => void) | null;
   readonly onState: () => void;
   readonly onLine: (line: number) => void;

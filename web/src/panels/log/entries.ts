@@ -1,4 +1,4 @@
-/** Lines of the log, whoever says them: which are wanted, and in which order they stand. */
+/** Lines of the log from all sources: filter and order. */
 
 import type { LogLevel } from "../../model/generated/protocol.ts";
 import { isWithin } from "../../model/path.ts";
@@ -12,10 +12,10 @@ export interface LogEntry {
   readonly at_ms: number;
   readonly level: LogLevel;
   readonly text: string;
-  /** Of the page's own lines, what they are about and what may be done. */
+  /** Subject and suggested action of a line from the page. */
   readonly about?: Notice["about"];
   readonly action?: Notice["action"];
-  /** Of the run's lines, the line. */
+  /** Original line of a run. */
   readonly line?: RunLogLine;
 }
 
@@ -23,11 +23,11 @@ export const SOURCES = ["both", "run", "page"] as const;
 export type LogSource = (typeof SOURCES)[number];
 
 export interface LogSelection {
-  /** They matter at least so much. */
+  /** Lowest level that passes the filter. */
   readonly least: LogLevel;
-  /** They have this text, or their state has it in its name, whatever the case. */
+  /** Text that the line or the name of its state must contain, ignoring case. */
   readonly query: string;
-  /** They are of these states or of what is inside them; null: of any, or of none. */
+  /** States that lines must belong to, including states inside; null for all lines. */
   readonly states: readonly string[] | null;
 }
 
@@ -36,16 +36,16 @@ export function entryOf(notice: Notice): LogEntry {
   return { id: `page ${id}`, at_ms, level, text: noticeText(notice), about, action };
 }
 
-/** `began_ms`: when the run began, by this browser's clock. */
+/** Entry for a line of a run. `began_ms` is the start of the run by this browser's clock. */
 export function lineEntry(line: RunLogLine, began_ms: number): LogEntry {
   const at_ms = began_ms + line.t_ns / 1e6;
   return { id: `run ${line.sequence}`, at_ms, level: line.level, text: line.message, line };
 }
 
-/** From the least to the most. */
+/** Levels in rising order. */
 const LEVELS: readonly LogLevel[] = ["verbose", "debug", "info", "warning", "error"];
 
-/** Whether a line is wanted; `nameOf` tells the names of states. */
+/** True if a line passes the filter; `nameOf` returns the name of a state. */
 export function isWanted(
   { level, text, line, about }: LogEntry,
   { least, query, states }: LogSelection,
@@ -59,7 +59,7 @@ export function isWanted(
   return line !== undefined && nameOf(line.path).toLowerCase().includes(wanted);
 }
 
-/** Two lists by time, each of them already so. */
+/** Merges two lists that are sorted by time. */
 export function merged(one: readonly LogEntry[], other: readonly LogEntry[]): readonly LogEntry[] {
   if (one.length === 0) return other;
   if (other.length === 0) return one;
@@ -75,7 +75,7 @@ export function merged(one: readonly LogEntry[], other: readonly LogEntry[]): re
   return all.concat(other.slice(at));
 }
 
-/** A text in one line: of a traceback what was raised and where in the script, else the first line and how many there are. */
+/** Shortens a text to one line: the exception and script line of a traceback, else the first line and the number of lines. */
 export function inOneLine(text: string): string {
   const end = text.indexOf("\n");
   if (end < 0) return text;

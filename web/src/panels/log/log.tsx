@@ -1,4 +1,4 @@
-/** Everything that the run, the page and the server said, the newest at the end: each line leads to its state and its moment. */
+/** Log of the run, the page and the server, with the newest line at the end. A click shows the state and the moment of a line. */
 
 import { computed, signal } from "@preact/signals-core";
 import { ArrowUp } from "lucide-react";
@@ -112,7 +112,7 @@ function Nothing({ isFiltered }: { readonly isFiltered: boolean }) {
   );
 }
 
-/** Lines before those that are here, where there are any. */
+/** Button that loads earlier lines of the run, if there are any. */
 function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () => void }) {
   const { page } = useHost().context();
   const [isAsking, setAsking] = useState(false);
@@ -144,7 +144,7 @@ function Older({ watch, onCame }: { readonly watch: Watch; readonly onCame: () =
   );
 }
 
-/** What is looked for; the same object while it is the same. */
+/** Filter of the log. Returns the cached object while it is unchanged. */
 function useLogSelection(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogSelection {
   const { least, isOfSelection } = filter;
   const query = useDeferredValue(filter.query);
@@ -159,7 +159,7 @@ function useLogSelection(tab: OpenTab | null, filter: typeof FIRST_FILTER): LogS
   return useMemo(() => ({ least, query, states }), [least, query, states]);
 }
 
-/** Selects what a line is about. */
+/** Selects the subject of a line. */
 function show(host: PanelHost, tab: OpenTab | null, { line, about }: LogEntry): void {
   const { page } = host.context();
   if (about && page.active.peek()?.session.id === about.machine) reveal(host, about.element);
@@ -174,7 +174,7 @@ function showLine(host: PanelHost, tab: OpenTab | null, entry: LogEntry, line: n
   show(host, tab, entry);
 }
 
-/** The last line of the moment that is shown. */
+/** Last line before the shown moment. */
 function hereOf(rows: readonly LogEntry[], shown: number): LogEntry | undefined {
   return rows.findLast(({ line }) => line !== undefined && line.sequence <= shown);
 }

@@ -1,4 +1,4 @@
-/** What of the log is shown. */
+/** Filter bar of the log. */
 
 import { Eraser } from "lucide-react";
 import type { ReactNode } from "react";
@@ -11,7 +11,7 @@ interface LogFilter {
   readonly source: LogSource;
   readonly least: LogLevel;
   readonly query: string;
-  /** Only of the selected states and of what is inside them. */
+  /** True to show only lines of the selected states and of states inside them. */
   readonly isOfSelection: boolean;
   readonly follows: boolean;
 }
@@ -43,7 +43,7 @@ interface LogBarProps {
   readonly onChange: (filter: LogFilter) => void;
   readonly hasRun: boolean;
   readonly onClear: () => void;
-  /** What else stands there. */
+  /** Additional buttons. */
   readonly children?: ReactNode;
 }
 

@@ -1,4 +1,4 @@
-/** The lines that the log shows: of the page and of the run in front, by time. */
+/** Lines that the log shows: of the page and of the current run, sorted by time. */
 
 import { computed, signal } from "@preact/signals-core";
 import { useCallback, useMemo } from "react";
@@ -18,7 +18,7 @@ import {
 } from "./entries.ts";
 import { Sieve } from "./sieve.ts";
 
-/** Nobody reads faster. */
+/** Refresh interval of the log, in ms. */
 const PACE_MS = 250;
 
 const NEVER = signal(0);
@@ -27,7 +27,7 @@ const NONE: readonly LogEntry[] = [];
 
 export interface Rows {
   readonly rows: readonly LogEntry[];
-  /** How the log calls a state. */
+  /** Name of a state in the log. */
   readonly nameOf: (path: string) => string;
 }
 
@@ -61,7 +61,7 @@ export function useRows(
   return { rows, nameOf };
 }
 
-/** When the run began, by this browser's clock as it was when that was asked for: lines do not move when the clocks are compared. */
+/** Start of the run by this browser's clock. It is fixed at the first use, so that lines do not move when clocks are compared again. */
 function useBegan(page: Page, watch: Watch | null): number | null {
   const started_ms = useSignal(
     useMemo(() => computed(() => watch?.now.value?.run.started_ms ?? null), [watch]),

@@ -1,4 +1,4 @@
-/** The wanted lines of a run's log, sifted as it grows: each line is looked at once. */
+/** Lines of a run's log that pass the filter. The filter runs once per line as the log grows. */
 
 import type { RunLog } from "../../store/history/run_log.ts";
 import { isWanted, type LogEntry, type LogSelection, lineEntry } from "./entries.ts";
@@ -25,7 +25,7 @@ export class Sieve {
     this.#age = log.age;
   }
 
-  /** Those that there are by now; the same list while nothing was added. */
+  /** Lines that passed until now. Returns the cached list while no line is added. */
   rows(): readonly LogEntry[] {
     this.#log.update();
     if (this.#log.age !== this.#age) {

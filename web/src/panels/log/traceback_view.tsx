@@ -1,4 +1,4 @@
-/** A traceback for people: what was raised, the line of one's own script, and behind a click all the frames. */
+/** Readable traceback: the exception, the line of the user's script, and all frames on request. */
 
 import { Fragment } from "react";
 import { readTraceback, type TracebackFrame } from "../../model/traceback.ts";
@@ -6,11 +6,11 @@ import { Button } from "../../ui/button.tsx";
 
 interface TracebackViewProps {
   readonly text: string;
-  /** Leads to a line of the script. */
+  /** Shows a line of the script. */
   readonly onLine: (line: number) => void;
 }
 
-/** A text that may have a traceback at its end. */
+/** Text that may end with a traceback. */
 export function TracebackView({ text, onLine }: TracebackViewProps) {
   const traceback = readTraceback(text);
   if (!traceback) return <pre className="log-text">{text}</pre>;
@@ -22,7 +22,7 @@ export function TracebackView({ text, onLine }: TracebackViewProps) {
       <pre className="log-text log-raised">{message}</pre>
       {own && <Own frame={own} onLine={onLine} />}
       {causes.map((cause, index) => (
-        // biome-ignore lint/suspicious/noArrayIndexKey: causes stay where they are
+        // biome-ignore lint/suspicious/noArrayIndexKey: the order of causes is fixed
         <Fragment key={index}>
           <p className="log-cause">caused by</p>
           <pre className="log-text log-raised">{cause.message}</pre>
@@ -37,7 +37,7 @@ export function TracebackView({ text, onLine }: TracebackViewProps) {
           <ol>
             {frames.map((frame, index) => (
               <FrameView
-                // biome-ignore lint/suspicious/noArrayIndexKey: frames stay where they are
+                // biome-ignore lint/suspicious/noArrayIndexKey: the order of frames is fixed
                 key={index}
                 frame={frame}
                 isOwn={frame.file === own?.file}
@@ -51,7 +51,7 @@ export function TracebackView({ text, onLine }: TracebackViewProps) {
   );
 }
 
-/** The line of one's own script. */
+/** Line of the user's script. */
 function Own({
   frame,
   onLine,

@@ -1,4 +1,4 @@
-/** Adds a command to the list of a robot. */
+/** Form that adds a command to the list of a robot. */
 
 import { Plus } from "lucide-react";
 import { useState } from "react";
@@ -113,17 +113,17 @@ export function AddCommand({ run, robot, label, refusal, now_ms, onAdd }: AddCom
 
 interface TimeFieldsProps {
   readonly label: string;
-  /** Words for no time. */
+  /** Text of the option without a time. */
   readonly none: string;
   readonly kind: EntryTime;
-  /** Begin of the next contact in words, if one is planned. */
+  /** Start of the next contact as text, if one is planned. */
   readonly contact: string | undefined;
   readonly text: string;
   readonly onKind: (kind: EntryTime) => void;
   readonly onText: (text: string) => void;
 }
 
-/** The kind of a time, and its value. */
+/** Fields for a kind of time, and its value. */
 function TimeFields({ label, none, kind, contact, text, onKind, onText }: TimeFieldsProps) {
   return (
     <>

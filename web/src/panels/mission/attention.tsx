@@ -1,5 +1,5 @@
-/** What wants a human, in one line that is always there: questions with the least time that is left, decisions after a crash, and
- * events; one press away. */
+/** Line that is always visible and shows what needs a person: questions with the shortest remaining time, decisions after a
+ * crash, and events. A click leads to the details. */
 
 import { CircleHelp, OctagonAlert, TriangleAlert } from "lucide-react";
 import type { MouseEvent } from "react";
@@ -104,7 +104,7 @@ function ToAcknowledge({ count }: { readonly count: number }) {
   );
 }
 
-/** Brings a part of mission control into sight, and the keys to the first thing in it that can be pressed or filled in. */
+/** Scrolls a part of mission control into view, and focuses its first control. */
 function show({ currentTarget }: MouseEvent<HTMLElement>, part: string): void {
   const place = currentTarget.closest(".mission")?.querySelector<HTMLElement>(part);
   if (!place) return;

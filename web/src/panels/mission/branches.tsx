@@ -1,5 +1,5 @@
-/** What the robot does now: one card for each active branch, with its state, how long that runs against the usual, and what ended
- * before it. */
+/** Current activity: one card per active branch, with its state, its duration compared with earlier runs, and the state that
+ * ended before. */
 
 import { Play } from "lucide-react";
 import { reasonOfHold } from "../../model/run_words.ts";
@@ -23,7 +23,7 @@ import { reveal } from "../reveal.ts";
 import { useCalmLanes } from "./calm_lanes.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 
-/** So many branches have a card; more are counted. */
+/** Maximum number of cards; further branches are only counted. */
 const CARDS_MAX = 12;
 
 export function Branches({ watch }: { readonly watch: Watch }) {
@@ -58,12 +58,12 @@ export function Branches({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** What stands here while no branch runs: of a run that is over, the way to another one. */
+/** Shown while no branch is active. After the end of a run it has a button to start another. */
 function Nothing({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
   const isFar = useComputed(() => watch.now.value?.run.robot != null, [watch]);
-  // A robot far away has the machine: nobody edits it here.
+  // The machine is on the robot and cannot be edited here.
   const command = isFar ? "run.start-again" : "run.start";
   const refusal = useRefusalOf(command);
   const isKnown = useComputed(() => watch.now.value?.snapshot != null, [watch]);
@@ -157,7 +157,7 @@ interface BranchBarProps {
   readonly isLong: boolean;
 }
 
-/** The time in the state against how long it usually takes. */
+/** Bar of the time in the state, compared with the usual duration. */
 function Bar({ baseline: { typical_ms, max_ms }, since_ms, isLong }: BranchBarProps) {
   const scale = Math.max(max_ms, since_ms, 1);
   const width = (ms: number) => ({ width: `${(ms / scale) * 100}%` });

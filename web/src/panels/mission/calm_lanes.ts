@@ -1,4 +1,4 @@
-/** The branches of a run at a pace that people can read: at once where one is in another phase, else about once a second. */
+/** Branches of a run at a readable pace: immediately after a change of phase, otherwise about once per second. */
 
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
@@ -10,21 +10,21 @@ import { isSameList, useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/branch.ts";
 
-/** A little less than a second, so that each second is told. */
+/** Refresh interval in ms, slightly below a second so that no second is skipped. */
 const PACE_MS = 900;
 
 interface CalmLanes {
-  /** Those that want somebody first. */
+  /** Branches that need a person come first. */
   readonly all: readonly Active[];
-  /** So much longer they have gone on by then than they say, in ms. */
+  /** Time since the snapshot with the durations, in ms. */
   readonly sinceSnapshot_ms: number;
-  /** The part of it in which the run was received. */
+  /** Part of that time in which the run was received, in ms. */
   readonly confirmed_ms: number;
 }
 
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
   const phases = useComputed(() => phasesOf(watch), [watch], isSameList);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: other phases are told at once, as another signal is
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a change of phases creates another signal, which is read at once
   const told = useMemo(
     () =>
       computed(() => ({
@@ -37,7 +37,7 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
   return useThrottled(told, PACE_MS);
 }
 
-/** In which phase each branch is, and at which moment: another list is told at once. */
+/** Phases of all branches, and the shown moment. A change of this list is shown at once. */
 function phasesOf(watch: Watch): readonly unknown[] {
   const all = lanes(activeStates(watch)).map(({ branch, phase }) => `${branch} ${phase}`);
   return [watch.playhead.value, ...all.sort()];

@@ -1,4 +1,4 @@
-/** The command list of a robot: reviewed before a pass, changed, and released as one. Loaded for runs of robots only. */
+/** Command list of a robot: reviewed before a pass, changed, and released as one. Loaded only for runs of robots. */
 
 import { Send, Trash2 } from "lucide-react";
 import { useCallback, useEffect, useState } from "react";
@@ -18,9 +18,9 @@ import { AddCommand } from "./add_command.tsx";
 import { lineInWords, listInWords, stateInWords } from "./command_list_words.ts";
 import "./command_list.css";
 
-/** Times and faults change without a message of the server: the list is requested again after this time. */
+/** Refresh interval of the list, in ms. Times and faults change without a message of the server. */
 const REFRESH_MS = 30_000;
-/** The same while the fate of a command is open. */
+/** Refresh interval while the result of a command is open, in ms. */
 const OPEN_REFRESH_MS = 2_000;
 
 export interface CommandListProps {
@@ -77,7 +77,7 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
       </p>
       <ol>
         {lines.map((line, index) => (
-          // biome-ignore lint/suspicious/noArrayIndexKey: a line is known by its number
+          // biome-ignore lint/suspicious/noArrayIndexKey: a line is identified by its number
           <li key={index}>
             <span>
               <strong>{lineInWords(line, watch.id)}</strong>: {stateInWords(line, now_ms)}
@@ -111,7 +111,7 @@ export function CommandListPart({ watch, robot, now_ms }: CommandListProps) {
 
 interface ListOfRobot {
   readonly list: CommandList | null;
-  /** Changes or releases the list. After a refusal, which is shown, it requests the list again and returns false. */
+  /** Changes or releases the list. After a refusal it shows the reason, requests the list again, and returns false. */
   readonly ask: (method: "POST" | "PUT", what: string, body: unknown) => Promise<boolean>;
 }
 
@@ -125,7 +125,7 @@ function useCommandList(robot: LinkHealth, now_ms: number): ListOfRobot {
     try {
       setList(await request<CommandList>("GET", path));
     } catch (error) {
-      // The list of before stays; it is requested again.
+      // The previous list stays until the next request.
       if (!(error instanceof RefusalError)) throw error;
     }
   }, [request, path]);
@@ -133,7 +133,7 @@ function useCommandList(robot: LinkHealth, now_ms: number): ListOfRobot {
   const isOpen = list?.lines.some(({ fate }) => fate?.fate === "open") ?? false;
   const refresh_ms = isOpen ? OPEN_REFRESH_MS : REFRESH_MS;
   const changes = `${robot.is_heard} ${robot.contact?.begin_ms} ${robot.round_trip_ms === null} ${stages} ${Math.floor(now_ms / refresh_ms)}`;
-  // biome-ignore lint/correctness/useExhaustiveDependencies: a change of these asks for the list again
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `changes` triggers another request
   useEffect(() => void load(), [load, changes]);
   const ask = async (method: "POST" | "PUT", what: string, body: unknown) => {
     try {

@@ -1,4 +1,4 @@
-/** A command list of a robot in words: when each command is sent, takes effect and expires, and its fate after a release. */
+/** Texts about the command list of a robot: when each command is sent, takes effect and expires, and its result after the release. */
 
 import { commandInWords } from "../../model/command_words.ts";
 import type { Answer, CommandList, ListLine } from "../../model/generated/protocol.ts";
@@ -6,19 +6,19 @@ import { inPageWords } from "../../model/page_words.ts";
 import { utcTime } from "../../store/page/times.ts";
 import { duration } from "../parts/duration.ts";
 
-/** The state of the list. */
+/** Status of the list. */
 export function listInWords({ released }: CommandList, now_ms: number): string {
   if (released === undefined) return "not released";
   return `released by ${released.user} at ${utcTime(released.at_ms, now_ms)}`;
 }
 
-/** The command of a line; the run is named if it is not the one that is shown. */
+/** Command of a line, with its run if that is not the displayed one. */
 export function lineInWords({ listed }: ListLine, shownRun: string): string {
   const words = commandInWords(listed.command);
   return listed.run === shownRun ? words : `${words}, run ${listed.run}`;
 }
 
-/** The times of a line before its release, and its fate after that. */
+/** Times of a line before its release, and its result afterwards. */
 export function stateInWords(line: ListLine, now_ms: number): string {
   const { fate, effect_ms } = line;
   if (fate === undefined) return times(line, "sent at the release", now_ms);
@@ -50,7 +50,7 @@ function answered(answer: Answer): string {
   }
 }
 
-/** An unknown time of effect is never guessed. */
+/** Times of a command. An unknown time of effect is never estimated. */
 function times({ send_at_ms, effect_ms, expires_ms }: ListLine, now: string, now_ms: number) {
   const sent = send_at_ms === undefined ? now : `sent ${at(send_at_ms, now_ms)}`;
   const effect =

@@ -1,4 +1,4 @@
-/** The planned contacts with a robot: shown and changed. Loaded when somebody opens them. */
+/** Planned contacts with a robot: view and edit. Loaded on request. */
 
 import { Plus, Trash2 } from "lucide-react";
 import { useCallback, useEffect, useState } from "react";
@@ -35,7 +35,7 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
   const { page } = useHost().context();
   const { windows, change } = useContacts(robot);
   const [entry, setEntry] = useState(EMPTY);
-  // Fields keep what was typed: after an addition they are new ones.
+  // Fields keep their text, so an addition replaces them with new ones.
   const [additions, setAdditions] = useState(0);
   const [fault, setFault] = useState<string | null>(null);
   const refusal = useComputed(() => lacks(page, "command"), [page]);
@@ -129,9 +129,9 @@ export function ContactPlan({ robot, now_ms, onClose }: ContactPlanProps) {
 }
 
 interface Contacts {
-  /** Null before they are received. */
+  /** Null until they are received. */
   readonly windows: readonly ContactWindow[] | null;
-  /** Replaces the displayed plan. Returns false if it was refused, or changed by somebody else meanwhile. */
+  /** Replaces the displayed plan. Returns false if it was refused, or changed by another user in the meantime. */
   readonly change: (
     displayed: readonly ContactWindow[],
     next: readonly ContactWindow[],

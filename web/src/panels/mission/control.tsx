@@ -1,4 +1,4 @@
-/** Who is in control of the run, who asks for it, and what one can do about that. */
+/** Control of the run: its holder, requests for it, and the available actions. */
 
 import { ArrowRightLeft, Hand, KeyRound, LogOut, ShieldAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
@@ -84,7 +84,7 @@ interface OfferProps {
   readonly user: string | null;
 }
 
-/** Control that is offered, until it is accepted: the holder keeps it meanwhile. */
+/** Offer of control that is not accepted yet. The holder keeps control until then. */
 function Offer({ holder, to, isMine, user }: OfferProps) {
   const isForMe = to === user;
   if (!isMine && !isForMe) {
@@ -169,7 +169,7 @@ function Moves({
   );
 }
 
-/** Only from who is silent; the time until then is told. */
+/** Takes control from a silent holder. Shows the time until that is possible. */
 function TakeOver({ holder }: { readonly holder: string }) {
   const { context } = useHost();
   const left = useComputed(() => Math.ceil(silenceLeft(context()) / 1_000), [context]);
@@ -190,7 +190,7 @@ function TakeOver({ holder }: { readonly holder: string }) {
   );
 }
 
-/** For admins only: others need not see it. */
+/** Button for admins. Other users do not see it. */
 function Override() {
   const { page } = useHost().context();
   const mayNot = useComputed(() => lacks(page, "administer") !== null, [page]);
@@ -210,7 +210,7 @@ interface MoveProps {
   readonly argument?: unknown;
   readonly sign?: ReactNode;
   readonly primary?: boolean;
-  /** By what the caller knows; left out: by the command's own reasons. */
+  /** True to disable the button. The default depends on the command's own refusal. */
   readonly disabled?: boolean;
 }
 

@@ -1,5 +1,5 @@
-/** The program of the run died: what can be done, each choice with what it means; and scripts that wait for a decision since. Or the
- * run at a robot is not the one that this station has a replica of. */
+/** Decisions after a crash of the run: how to resume, with the consequences of each choice, and scripts that wait for a decision.
+ * It also reports a replica that differs from the run on the robot. */
 
 import { GitCompareArrows, RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";

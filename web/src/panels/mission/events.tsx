@@ -1,4 +1,4 @@
-/** What went wrong, the newest first, each until somebody has acknowledged it. */
+/** Failures, the newest first, each until a user acknowledges it. */
 
 import { CheckCheck, CircleX, type LucideIcon, TriangleAlert, Zap } from "lucide-react";
 import { useEffect, useState } from "react";
@@ -22,7 +22,7 @@ import { reveal } from "../reveal.ts";
 import { type Names, pathInWords, useMachineNames } from "./names.ts";
 import { useWhen } from "./when.ts";
 
-/** So many are shown at a time. */
+/** Maximum number of displayed events. */
 const SHOWN_MAX = 30;
 
 export function Events({ watch }: { readonly watch: Watch }) {
@@ -35,9 +35,9 @@ export function Events({ watch }: { readonly watch: Watch }) {
   const [showsDone, setShowsDone] = useState(false);
   const shown = showsDone ? all : open;
   const unlisted = showsDone ? dropped.all : dropped.open;
-  // What one acknowledges oneself is meant to make room for the next.
+  // Acknowledged lines of the user make room for the next ones.
   const newest = shown.slice(-SHOWN_MAX).reverse();
-  // A line that counts on stays where it is: only another line could come under the pointer.
+  // A line with a growing count keeps its position. Only a new line could move another one under the pointer.
   const isUnmoved = useStableFor(String(all.at(-1)?.first));
   return (
     <section className="mission-part mission-events" aria-label="Events to acknowledge">
@@ -87,7 +87,7 @@ export function Events({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** More than are kept are not counted. */
+/** Number of events. Above the capacity of the list it is a lower bound. */
 export function countInWords(count: number): string {
   return count < FAILURES_MAX ? String(count) : `${FAILURES_MAX} or more`;
 }
@@ -159,7 +159,7 @@ function Line({ failure, watch, names, isDone, isUnmoved }: EventLineProps) {
   );
 }
 
-/** The error that an aborted state left, where the log does not tell it. */
+/** Error of an aborted state, for events whose log line does not contain it. */
 function ErrorText({ watch, sequence }: { readonly watch: Watch; readonly sequence: number }) {
   const { page } = useHost().context();
   const isUp = useComputed(() => page.server.link.value.state === "up", [page]);

@@ -1,4 +1,4 @@
-/** What a glance has to tell: which mission, how it stands, and how long. As high whatever it says: what stands below stays there. */
+/** Head of mission control: the mission, its status, and its duration. It has a fixed height, so that the parts below do not move. */
 
 import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -40,7 +40,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** The time of what is shown since the start, beside what earlier runs took. */
+/** Time between the start and the shown moment, with the durations of earlier runs. */
 function Times({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const elapsed = useComputed(() => {
@@ -73,7 +73,7 @@ function Times({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** The same time of what is shown by the clocks. */
+/** Date and time of the shown moment. */
 function Clocks({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const times = useComputed(
@@ -111,7 +111,7 @@ const HOW: Readonly<Record<string, string>> = {
   "on average": "Average of the few earlier runs of this machine that succeeded.",
 };
 
-/** Other active runs, one press away. */
+/** Menu of other active runs. */
 function OtherRuns({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const run = useCommand();

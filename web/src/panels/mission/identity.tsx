@@ -1,4 +1,4 @@
-/** As whom one is here, what that allows, and who else looks. */
+/** Name of the user, the user's rights, and other users who are present. */
 
 import { Eye, UserRound } from "lucide-react";
 import { sessionOfPage } from "../../store/run/running.ts";

@@ -1,4 +1,4 @@
-/** How the connection is, and how old what is shown may be. */
+/** Quality of the connection, and age of the displayed data. */
 
 import { History, Unplug, Wifi } from "lucide-react";
 import type { LinkHealth } from "../../model/generated/protocol.ts";
@@ -35,7 +35,7 @@ export function LinkAge({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** What one sees is true now. Of a run that is over that goes without saying. */
+/** Confirms that the displayed data is current. Hidden after the end of the run. */
 function IsHeard({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const pulse = useSignal(page.server.pulse);
@@ -58,7 +58,7 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** What is newest of a robot that is far away is as old as the way is long. */
+/** Age of the newest data from a remote robot: the delay of one direction. */
 function farAway({ round_trip_ms }: LinkHealth): string {
   return round_trip_ms === null ? "delay unknown" : `${duration(round_trip_ms / 2)} ago`;
 }

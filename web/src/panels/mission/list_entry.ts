@@ -1,9 +1,9 @@
-/** A command of a list as an operator enters it: a kind of command, the time of its effect and its expiry. */
+/** Command for a list as an operator enters it: its kind, the time of its effect, and its expiry. */
 
 import type { Command, ListedCommand, ListTime } from "../../model/generated/protocol.ts";
 import { UTC_HINT, utcEntered, utcText } from "./utc_entry.ts";
 
-/** Commands that need no further value, and one that is written as JSON. */
+/** Commands without a further value, and any other one as JSON. */
 export const ENTRY_KINDS = [
   { value: "pause", title: "Pause" },
   { value: "resume", title: "Resume" },
@@ -16,13 +16,13 @@ export type EntryKind = (typeof ENTRY_KINDS)[number]["value"];
 
 export type EntryTime = "none" | "utc" | "contact";
 
-/** The fields of the form. */
+/** Fields of the form. */
 export interface ListEntry {
   readonly kind: EntryKind;
-  /** The command, for the kind `json`. */
+  /** Command for the kind `json`. */
   readonly json: string;
   readonly effect: EntryTime;
-  /** A time in UTC, or seconds after the begin of the contact. */
+  /** Time in UTC, or seconds after the start of the contact. */
   readonly effectText: string;
   readonly expiry: EntryTime;
   readonly expiryText: string;
@@ -37,7 +37,7 @@ export const EMPTY_ENTRY: ListEntry = {
   expiryText: "",
 };
 
-/** The command for the list of a robot, or the fault of the form. The station checks everything else. */
+/** Command for the list of a robot, or the fault of the form. The station checks everything else. */
 export function listedCommand(
   entry: ListEntry,
   run: string,
@@ -57,7 +57,7 @@ export function listedCommand(
   };
 }
 
-/** The command, or what is wrong with it. */
+/** Command, or the reason why it is invalid. */
 function commandOf({ kind, json }: ListEntry): Command | string {
   if (kind === "resume") return { type: "resume", branch: null };
   if (kind !== "json") return { type: kind };
@@ -65,12 +65,12 @@ function commandOf({ kind, json }: ListEntry): Command | string {
     const value: unknown = JSON.parse(json);
     if (typeof value === "object" && value !== null && "type" in value) return value as Command;
   } catch {
-    // The reason of the parser names positions of a text that is short.
+    // The parser's message is of little use for such a short text.
   }
   return 'Command: write an object with a type, such as {"type": "step_mode"}';
 }
 
-/** Null if there is none. */
+/** Time of a field, or its fault; null for no time. */
 function timeOf(
   kind: EntryTime,
   text: string,

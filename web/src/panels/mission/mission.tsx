@@ -1,4 +1,4 @@
-/** Mission control: how the mission stands for somebody under stress, and the few things that such a person does. */
+/** Mission control: status of the mission and the most important actions, for operators under stress. */
 
 import { signal } from "@preact/signals-core";
 import { HardDrive } from "lucide-react";
@@ -30,8 +30,8 @@ export function Mission() {
   const tab = useActiveTab();
   const watch = useSignal(tab?.run ?? NO_RUN);
   const place = useRef<HTMLDivElement>(null);
-  // The list from which a run was chosen may have been scrolled: the head of the run comes first.
-  // biome-ignore lint/correctness/useExhaustiveDependencies: another run begins at its head
+  // The list of runs may have been scrolled. Another run is shown from its head.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: runs again for another run
   useEffect(() => place.current?.closest(".panel")?.scrollTo?.(0, 0), [watch?.id]);
   return (
     <div ref={place} className="mission">

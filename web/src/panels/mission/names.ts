@@ -1,4 +1,4 @@
-/** Paths of states in words: by the names in the machine in front, as far as they are known. */
+/** Readable paths of states, with names from the active machine as far as they are known. */
 
 import { signal } from "@preact/signals-core";
 import { namesTo } from "../../model/machine.ts";
@@ -17,7 +17,7 @@ export function useMachineNames(): Names {
   return (path) => (tab ? namesTo(tab.session.machine, path) : lineage(path).map(idOf));
 }
 
-/** The way to a state without the root, which is the mission: `Assemble › Find object`. */
+/** Path to a state without the root, which is the mission: `Assemble › Find object`. */
 export function pathInWords(names: Names, path: string): string {
   const all = names(path).map((name) => name.slice(name.lastIndexOf("/") + 1));
   return (all.length > 1 ? all.slice(1) : all).join(" › ");

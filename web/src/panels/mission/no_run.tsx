@@ -1,4 +1,4 @@
-/** Mission control without a run: those that go on, to choose one, and how one begins. */
+/** Mission control without a run: a choice of active runs, and the start of a new one. */
 
 import { Radar } from "lucide-react";
 import { summaryStatusWords } from "../../model/run_words.ts";
@@ -12,7 +12,7 @@ import { duration, growing } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
 import { StatusWord } from "./status_word.tsx";
 
-/** So many runs that are over are offered, the newest. */
+/** Maximum number of finished runs in the list. The newest are shown. */
 const OVER_MAX = 5;
 
 export function NoRun() {

@@ -1,4 +1,4 @@
-/** Values that an engineer watches of this machine, as they are at the moment that is shown, each with when it came. */
+/** Values of this machine that an engineer watches, as of the shown moment, each with its time. */
 
 import { readExpression } from "../../model/expression.ts";
 import { shortValue } from "../../model/short_value.ts";
@@ -53,7 +53,7 @@ function Value({ tab, watch, watched }: ValueProps) {
   );
 }
 
-/** When the value came: in the past that is shown, how long after the start. */
+/** Time of the value: its age, or for an earlier moment the time since the start. */
 function Came({ watch, t_ns }: { readonly watch: Watch; readonly t_ns: number }) {
   const t_ms = t_ns / 1e6;
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
@@ -69,7 +69,7 @@ function nameOf({ target, expression }: WatchedExpression): string {
   return expression === "value" ? target.name : `${target.name}: ${expression}`;
 }
 
-/** What is not at hand, or cannot be worked out, has a dash. */
+/** Text of a value, or a dash if it is unavailable or cannot be computed. */
 function told(now: ValueNow, expression: string): string {
   if (now.state !== "there") return "–";
   const read = readExpression(expression);

@@ -1,4 +1,4 @@
-/** Planned contacts with a robot in words: the open or the next one, and when each command is sent and takes effect. */
+/** Texts about planned contacts with a robot: the open or the next one, and when each command is sent and takes effect. */
 
 import { commandTypeInWords } from "../../model/command_words.ts";
 import { untilContact_ms } from "../../model/contact_wait.ts";
@@ -19,7 +19,7 @@ export function contactInWords(robot: LinkHealth, now_ms: number): string {
   return `in ${duration(wait_ms)}, ${utcTime(begin_ms, now_ms)} to ${end}, ${more}`;
 }
 
-/** Each command on the way, with the time at which it is sent and takes effect. */
+/** Each pending command, with the time at which it is sent and takes effect. */
 export function commandsInWords(robot: LinkHealth, now_ms: number): readonly string[] {
   return robot.commands.map((command) => {
     const isListed = command.id.startsWith("//list/");
@@ -52,7 +52,7 @@ function sending({ send_at_ms }: OpenCommand, now_ms: number): string {
   return `to be sent in ${duration(until(send_at_ms, now_ms))}, at ${utcTime(send_at_ms, now_ms)}`;
 }
 
-/** An unknown time of effect is never guessed. */
+/** Time of effect. An unknown one is never estimated. */
 function takesEffect(effect_ms: number | undefined, now_ms: number): string {
   if (effect_ms === undefined) return "time of effect unknown: delay not measured yet";
   const wait_ms = until(effect_ms, now_ms);

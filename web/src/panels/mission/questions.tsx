@@ -1,4 +1,4 @@
-/** What states ask, to be answered here; and how the last questions ended, by whom. */
+/** Questions of states with their forms, and the last closed questions with their results. */
 
 import { askedQuestions, type Closed, openQuestions } from "../../store/history/questions.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -10,7 +10,7 @@ import { QuestionForm } from "../parts/question.tsx";
 import { pathInWords, useMachineNames } from "./names.ts";
 import { useWhen } from "./when.ts";
 
-/** So many that ended are told. */
+/** Maximum number of closed questions. */
 const CLOSED_SHOWN = 3;
 
 export function Questions({ watch }: { readonly watch: Watch }) {

@@ -1,4 +1,4 @@
-/** How the link to a robot far away is, as large as how its run stands. What cannot be known without an up-link is said. */
+/** Link to a remote robot, as prominent as the status of its run. It states which facts are unknown without an up-link. */
 
 import { CalendarClock, Radio, RadioTower } from "lucide-react";
 import { useState } from "react";
@@ -22,7 +22,7 @@ const CommandList = onDemand(async () => (await import("./command_list.tsx")).Co
 
 export function RobotLink({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  // Of a run that is over, nobody says any more how the link is.
+  // After the end of a run, the status of the link is no longer updated.
   const robot = useComputed(() => {
     const now = watch.now.value;
     return now && isGoingOn(now) ? (now.robot ?? null) : null;
@@ -30,7 +30,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
   const pulse = useSignal(page.server.pulse);
   const [showsPlan, setShowsPlan] = useState(false);
   if (robot === null) return null;
-  // Silence of the server is no silence of the robot.
+  // Time of the server, so that a silent server does not appear as a silent robot.
   const now_ms = pulse?.server_ms ?? 0;
   const isWhole = robot.is_heard && upLinkSilence(robot, now_ms) === null;
   return (
@@ -74,7 +74,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** What matters most, in large. */
+/** Most important fact, in large letters. */
 function contact(robot: LinkHealth, now_ms: number): string {
   if (robot.heard_ms === null) return `${robot.robot} was not heard since the station began`;
   if (robot.is_heard) {
@@ -85,7 +85,7 @@ function contact(robot: LinkHealth, now_ms: number): string {
   return `${robot.robot} has not been heard for ${duration(ago(now_ms, robot.heard_ms))}`;
 }
 
-/** Time since the robot last confirmed something; null while that is as usual, or was never measured. */
+/** Time since the last confirmation of the robot; null while that is normal, or was never measured. */
 function upLinkSilence(robot: LinkHealth, now_ms: number): number | null {
   if (robot.reached_ms === null || robot.round_trip_ms === null) return null;
   const since_ms = ago(now_ms, robot.reached_ms);
@@ -133,13 +133,13 @@ const RIGHTS: Readonly<Record<LinkRights, string>> = {
   change: "command and change runs",
 };
 
-/** What users of this station may do on the robot, and how to change that. */
+/** Rights of this station's users on the robot, and how to change them. */
 function rights({ robot, rights: given }: LinkHealth): Fact {
   const why = `By the pairing, for all users of this station; the robot checks it. Another choice needs another pairing: rafcon pair ${robot} --rights observe, command or change`;
   return ["this station may", given ? RIGHTS[given] : "unknown", why];
 }
 
-/** While the robot is not heard, it goes on, and nobody knows how far. */
+/** Number of missing events. While the robot is not received, its run continues, so the number is a lower bound. */
 function toCome({ is_heard, missing }: LinkHealth): string {
   const known = missing.toLocaleString("en");
   if (!is_heard) return missing === 0 ? "unknown" : `${known} or more`;
@@ -157,7 +157,7 @@ function delay(robot: LinkHealth, now_ms: number): Fact {
   return ["delay", measured, `${why}: the robot has confirmed nothing since`];
 }
 
-/** Before the operator gives a command: when it is sent, its time of effect, and its expiry. */
+/** Times for the next command: when it is sent, takes effect, and expires. */
 function command(robot: LinkHealth, now_ms: number): Fact {
   const why =
     "When a command that is given now is sent, takes effect and expires; a stop does not expire";
@@ -169,14 +169,14 @@ function command(robot: LinkHealth, now_ms: number): Fact {
   return ["command given now", `${sent}${effectNow(robot, wait_ms)}${expiry}`, why];
 }
 
-/** Without a measured delay or any contact, the time of effect is unknown. */
+/** Time of effect. It is unknown without a measured delay or any contact. */
 function effectNow({ is_heard, round_trip_ms }: LinkHealth, wait_ms: number): string {
   if (round_trip_ms === null) return "effect unknown: delay not measured yet";
   if (!is_heard && wait_ms === 0) return "effect unknown: no contact with the robot";
   return `effect in ${duration(wait_ms + round_trip_ms / 2)}`;
 }
 
-/** The plan informs; the station sends at any time. */
+/** The planned contact. The plan is informative; the station sends at any time. */
 function planned(robot: LinkHealth, now_ms: number): Fact {
   const why =
     robot.contacts_problem ??
@@ -190,7 +190,7 @@ function next(robot: LinkHealth): Fact {
   return ["next status", `within ${duration(robot.expected_every_ms)}`, why];
 }
 
-/** The least and the most that it is ahead. */
+/** Offset of the robot's clock, as a range. */
 function clock(offset: ClockOffset | null): string {
   if (offset === null) return "unknown";
   const { least_ms, most_ms } = offset;

@@ -1,4 +1,4 @@
-/** What this page told the run lately: under way until the robot answered, and then what it answered. */
+/** Recent commands of this page to the run: pending until the robot responds, then with the response. */
 
 import { Check, Clock, Send, X } from "lucide-react";
 import { commandInWords } from "../../model/command_words.ts";
@@ -35,7 +35,7 @@ export function SentList({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** What the station knows of a command to a robot far away; its id there has the user's name before it. */
+/** Pending command at the station, for a remote robot. Its id there has the user's name as a prefix. */
 function openCommand(watch: Watch, id: string): CommandOnTheWay | null {
   const robot = watch.now.value?.robot;
   const open = robot?.commands.find((command) => command.id.endsWith(`/${id}`));
@@ -44,12 +44,12 @@ function openCommand(watch: Watch, id: string): CommandOnTheWay | null {
 
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };
 
-/** Answers that go their way are told with their questions. */
+/** True for pending and applied responses to a question, which are shown with the question. */
 function isToldElsewhere({ command, kind }: SentLine): boolean {
   return command.type === "answer_question" && (kind === "sent" || kind === "applied");
 }
 
-/** What is called otherwise on the buttons here. */
+/** Names of commands that differ on the buttons here. */
 const BUTTONS: Readonly<Record<string, string>> = { step_over: "Step" };
 
 function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {

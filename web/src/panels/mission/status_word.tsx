@@ -1,4 +1,4 @@
-/** How a run stands, by a picture, a colour and a word. */
+/** Status of a run, as icon, colour and text. */
 
 import {
   Ban,
@@ -37,7 +37,7 @@ export function StatusWord({
 }: {
   readonly status: RunStatusWords;
   readonly size?: number;
-  /** How old it is, if that is all that is known. */
+  /** Age of the status if it is assumed; null if it is current. */
   readonly assumed?: string | null;
 }) {
   const isBad = status.word === "finished" && status.tone !== "plain";

@@ -1,4 +1,4 @@
-/** Stop and Pause, always in the same place: asking once by a second press; Resume and Step beside. */
+/** Buttons of a run in fixed positions: Stop and Pause, which need a second press, and Resume and Step. */
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
 import type { MouseEvent, ReactNode } from "react";
@@ -36,7 +36,7 @@ export function Steering() {
 const USED = ["run.stop", "run.pause", "run.resume", "run.over"] as const;
 type Refusals = Readonly<Record<(typeof USED)[number], string | null>>;
 
-/** Why each of the commands cannot be done now. */
+/** Reasons why commands are unavailable. */
 function useRefusals(): Refusals {
   const { commands, context } = useHost();
   return useComputed(
@@ -49,11 +49,11 @@ function useRefusals(): Refusals {
   );
 }
 
-/** What keeps from stopping while there is something to stop. Who else is in control, and how that changes, stands below. */
+/** Reason why an active run cannot be stopped. The holder of control is shown below. */
 export function WhyNot({ watch }: { readonly watch: Watch }) {
   const why = useRefusalOf("run.stop");
   const isOn = useComputed(() => watch.now.value?.run.phase === "live", [watch]);
-  // Of a run that is over, or crashed, there is more to say, and it stands below.
+  // The part below has the details of a finished or crashed run.
   return why && isOn ? <p className="mission-why">{capital(why)}.</p> : null;
 }
 
@@ -63,7 +63,7 @@ interface PressProps {
   readonly refusal: string | null;
 }
 
-/** Asks once: the first press says what a second does. A key that is held down presses once. */
+/** Button that needs a second press, and announces its effect after the first. A key that is held down presses once. */
 function Twice({
   name,
   sign: Sign,

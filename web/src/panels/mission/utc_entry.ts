@@ -1,4 +1,4 @@
-/** Times in UTC that people enter. */
+/** Times in UTC that users enter. */
 
 const FORM = /^\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d(\.\d+)?)?Z?$/;
 
@@ -13,7 +13,7 @@ export function utcEntered(text: string): number | null {
   return Number.isNaN(at_ms) ? null : at_ms;
 }
 
-/** `2026-11-28T14:10:00Z`, with milliseconds if there are any. */
+/** Such as `2026-11-28T14:10:00Z`, with milliseconds if there are any. */
 export function utcText(at_ms: number): string {
   return new Date(at_ms).toISOString().replace(".000Z", "Z");
 }

@@ -1,4 +1,4 @@
-/** When something in a run was, in words. */
+/** Texts about the time of an event in a run. */
 
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
@@ -8,7 +8,7 @@ import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
 
-/** How long ago it was, by the time of the run; of one that is over, how long after its start. */
+/** Time since the event, by the clock of the run. After the end of the run, the time between its start and the event. */
 export function useWhen(watch: Watch, t_ms: number): string {
   const { page } = useHost().context();
   return useComputed(() => {
