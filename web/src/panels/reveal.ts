@@ -1,4 +1,4 @@
-/** Brings an element of the machine in front into sight, selected; where it is gone, the innermost state around it that is there. */
+/** Selects an element of the active machine, and moves it into view. For a deleted element, the innermost existing state around it. */
 
 import { type ElementRef, keyOf } from "../model/element.ts";
 import { parentOf } from "../model/path.ts";

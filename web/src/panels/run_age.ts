@@ -1,4 +1,4 @@
-/** How old what is shown of a run may be, for components: drawn again once a second at most while that is of interest. */
+/** Age of the displayed data of a run, for components. It updates at most once per second, and only while it matters. */
 
 import { computed } from "@preact/signals-core";
 import { useMemo } from "react";
@@ -10,7 +10,7 @@ import { useSignal } from "../ui/signals.ts";
 
 const FRESH: RunAge = { age_ms: 0, isOld: false, why: null };
 
-/** Of one run; of none it is fresh. */
+/** Age of a run's data. Without a run it is fresh. */
 export function useRunAge(page: Page, watch: Watch | null): RunAge {
   const age = useMemo(() => {
     let before = FRESH;
@@ -24,12 +24,12 @@ export function useRunAge(page: Page, watch: Watch | null): RunAge {
   return useSignal(age);
 }
 
-/** Whether what is shown of the run in front may be old. What shows it has the class `shows-run`, and is greyed then. */
+/** True if the data of the current run may be outdated. Elements that show it have the class `shows-run`, and are greyed out then. */
 export function useIsOld(page: Page): boolean {
   return useSignal(useMemo(() => oldSignal(page), [page]));
 }
 
-/** The same as a signal. */
+/** Signal for `useIsOld`. */
 function oldSignal(page: Page) {
   return computed(() => {
     const watch = runOf(page);

@@ -1,4 +1,4 @@
-/** How much later it is than what is shown of a run was said, for components whose times go on. */
+/** Time since the snapshot of a run, for components with growing times. */
 
 import type { Watch } from "../store/history/run.ts";
 import { sinceSnapshot } from "../store/run/since_snapshot.ts";

@@ -1,4 +1,4 @@
-/** How long something is ago, in words that are as exact as one needs them. */
+/** Age as text, with a precision that decreases with the age. */
 
 export function agePhrase(age_ms: number): string {
   const seconds = Math.max(0, Math.round(age_ms / 1_000));

@@ -1,8 +1,8 @@
-/** Answers to questions of states: what is filled in at first, what would be refused, what is sent, and how it reads. */
+/** Responses to questions of states: initial values, checks, the sent value, and its text. */
 
 import type { Form, JsonValue, Question } from "../../model/generated/protocol.ts";
 
-/** What is filled in so far. */
+/** Current content of the form. */
 export interface Filled {
   readonly text: string;
   readonly checked: readonly boolean[];
@@ -21,7 +21,7 @@ export function firstFilled(form: Form): Filled {
   }
 }
 
-/** Why what is filled in would not be taken; null if it would. */
+/** Reason why the content is invalid; null if it is valid. */
 export function refusalOfFilled(form: Form, { text }: Filled): string | null {
   if (form.type !== "number") return null;
   const number = numberOf(text);
@@ -36,7 +36,7 @@ export function refusalOfFilled(form: Form, { text }: Filled): string | null {
   return null;
 }
 
-/** What is sent when a button is pressed. Whoever cancels need not fill anything in. */
+/** Response to send when a button is pressed. A cancelled form may be incomplete. */
 export function answerOf(form: Form, { text, checked }: Filled, button: number): JsonValue {
   switch (form.type) {
     case "buttons":
@@ -50,7 +50,7 @@ export function answerOf(form: Form, { text, checked }: Filled, button: number):
   }
 }
 
-/** An answer as people read it: `yes`, `OK: 3.5`, `OK: left, right`. */
+/** Text of a response: `yes`, `OK: 3.5`, `OK: left, right`. */
 export function answerInWords(form: Form, answer: JsonValue | null): string {
   if (typeof answer !== "object" || answer === null || Array.isArray(answer)) return "";
   const button = form.buttons[Number(answer["button"])] ?? "";
@@ -58,14 +58,14 @@ export function answerInWords(form: Form, answer: JsonValue | null): string {
   return rest === "" ? button : `${button}: ${rest}`;
 }
 
-/** What happens when the time is over. */
+/** Effect of the timeout. */
 export function deadlineInWords({ form, default: fallback }: Question): string {
   return fallback === null
     ? "then the state fails"
     : `then “${answerInWords(form, fallback)}” is used`;
 }
 
-/** The range of a number in words; empty if it has none. */
+/** Range of a number as text; empty if it has none. */
 export function rangeInWords(form: Form): string {
   if (form.type !== "number") return "";
   const { minimum, maximum, whole } = form;

@@ -1,4 +1,4 @@
-/** How old it is that a run goes on like this, of one that is not heard: that is assumed, not known. */
+/** Age of an assumed status: an active run without contact may have changed. */
 
 import type { RunSummary } from "../../model/generated/protocol.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
@@ -6,7 +6,7 @@ import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { agePhrase } from "./age.ts";
 
-/** `as of 4 min 5 s ago`; null of a run that is heard or over. Told again once a second. */
+/** Such as `as of 4 min 5 s ago`, updated every second; null if the run is received or over. */
 export function useAssumed({ unheard_since_ms }: RunSummary): string | null {
   const { page } = useHost().context();
   return useComputed(() => {

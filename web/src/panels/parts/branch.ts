@@ -1,4 +1,4 @@
-/** Active branches in a list: their order, the sign and word of each phase, and the tone of what ended before. */
+/** Active branches in a list: order, icon and text of each phase, and the style of the previous end. */
 
 import {
   CirclePause,
@@ -14,7 +14,7 @@ import { type Active, placeOfLane } from "../../store/run/active.ts";
 
 const URGENCY: readonly Phase[] = ["interrupted", "waiting", "held", "preempted", "running"];
 
-/** Those that need a person first, and else as they stand in the machine. */
+/** Branches that need a person first, otherwise in the order of the machine. */
 export function inOrder(lanes: readonly Active[]): readonly Active[] {
   const rank = ({ phase }: Active) => URGENCY.indexOf(phase);
   return [...lanes].sort((one, other) => {
@@ -34,7 +34,7 @@ export const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Si
     preempted: { word: "is being preempted", Sign: Undo2 },
   };
 
-/** What a branch does, in words; of a held one `held` says it. */
+/** Text of the phase; `held` returns the text of a paused branch. */
 export function phaseInWords(
   { phase, detail, held: [hold] }: Active,
   held: (by: Active["held"][number]["by"], isBefore: boolean) => string,
@@ -44,12 +44,12 @@ export function phaseInWords(
   return PHASES[phase].word;
 }
 
-/** Whether the state has not been entered yet: how long the states around it have run says nothing then. */
+/** True if the state has not been entered yet. The durations of the states around it are irrelevant then. */
 export function comesNext({ phase, held: [hold] }: Active): boolean {
   return phase === "held" && hold?.next != null;
 }
 
-/** The end of a class name by how a state ended; empty if it ended as it should. */
+/** Suffix of the class name for an outcome; empty if the state succeeded. */
 export function toneOf({ id }: Outcome): "aborted" | "preempted" | "" {
   if (id === ABORTED) return "aborted";
   return id === PREEMPTED ? "preempted" : "";

@@ -1,4 +1,4 @@
-/** How code looks: colours of the page's theme, and a line at 120 characters. */
+/** Style of code in the colours of the page's theme, with a guide at 120 characters. */
 
 import { HighlightStyle, syntaxHighlighting } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";

@@ -1,6 +1,6 @@
-/** Sizes of data for people. */
+/** Sizes of data as text. */
 
-/** `812 B`, `20.0 KB`, `1.2 MB`. */
+/** Such as `812 B`, `20.0 KB`, `1.2 MB`. */
 export function dataSize(bytes: number): string {
   if (bytes < 1_000) return `${bytes} B`;
   if (bytes < 999_500) return `${threeFigures(bytes / 1_000)} KB`;

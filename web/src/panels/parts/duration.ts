@@ -1,9 +1,9 @@
-/** Lengths of time for people: short, and as wide whatever the figures are. */
+/** Durations as short texts with stable widths. */
 
 const SECOND = 1_000;
 const MINUTE = 60 * SECOND;
 
-/** At a glance: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`, `2 d 1:02:03`. */
+/** Short form: `4 µs`, `42 ms`, `0.1 s`, `3.4 s`, `12 s`, `3:05`, `1:02:03`, `2 d 1:02:03`. */
 export function duration(ms: number): string {
   if (ms < 0) return `−${duration(-ms)}`;
   if (ms === 0) return "0 s";
@@ -19,7 +19,7 @@ export function duration(ms: number): string {
   return hours > 0 ? `${hours}:${two(minutes)}:${rest}` : `${minutes}:${rest}`;
 }
 
-/** To three figures, where lengths are compared: `4 µs`, `1.05 ms`, `251 ms`, `3.42 s`, `12.3 s`, `3:05`. */
+/** Three significant figures, for comparisons: `4 µs`, `1.05 ms`, `251 ms`, `3.42 s`, `12.3 s`, `3:05`. */
 export function measured(ms: number): string {
   if (ms < 0) return `−${measured(-ms)}`;
   if (ms < 0.9995 || ms >= MINUTE - 50) return duration(ms);
@@ -30,7 +30,7 @@ function threeFigures(number: number): string {
   return number.toFixed(number < 9.995 ? 2 : number < 99.95 ? 1 : 0);
 }
 
-/** How far something has come, never more: to the tenth at first, `0.6 s`, `9.9 s`, `12 s`. */
+/** Duration that is still growing, rounded down, with tenths below 10 s: `0.6 s`, `9.9 s`, `12 s`. */
 export function growing(ms: number): string {
   if (ms < 10 * SECOND) return `${(Math.floor(Math.max(0, ms) / 100) / 10).toFixed(1)} s`;
   return duration(Math.floor(ms / SECOND) * SECOND);

@@ -1,4 +1,4 @@
-/** An event of a run in words, for people: what, of which state, how it ended. */
+/** Events of a run as text: type, state and outcome. */
 
 import type { Event } from "../../model/generated/protocol.ts";
 import { idOf, lineage } from "../../model/path.ts";
@@ -9,11 +9,10 @@ import type { Happening } from "../../store/history/journal.ts";
 
 export type NameOf = (path: string) => string;
 
-/** Libraries whose content was asked for, for the names in it. */
+/** Libraries with requested content, whose states need names. */
 const askedOf = perOwner((_session: MachineSession) => new Set<string>());
 
-/** Names of states of a machine; the id of one that the machine has no more. What lies in a library is asked for, and has its name when
- * it is here. */
+/** Names of states of a machine. A deleted state has its id. Content of a library is requested, and has its id until it is loaded. */
 export function namesOf(session: MachineSession): NameOf {
   return (path) => {
     const state = session.machine.state(path);
@@ -33,7 +32,7 @@ function askFor(session: MachineSession, path: string): void {
   void session.loadLibrary(library);
 }
 
-/** `Look entered`, `Look ended with seen`, `Look: careful`. */
+/** Such as `Look entered`, `Look ended with seen`, `Look: careful`. */
 export function happenedInWords(happening: Happening, nameOf: NameOf): string {
   if (happening.kind === "other") return eventInWords(happening.event, nameOf);
   const name = nameOf(happening.path);
@@ -105,7 +104,7 @@ function commandInWords(type: string, author: string, answer: string): string {
   return `Command ${what}${who}${answer === "applied" ? "" : ` (${answer})`}`;
 }
 
-/** How long the ground is silent, as far as anything in the machine names it. */
+/** Text about the silence of the ground. A time of 0 means that there is no silence. */
 function silenceInWords({ link_ms, command_ms }: { link_ms: number; command_ms: number }): string {
   const link = `The ground has not been heard for ${link_ms / 1000} s`;
   const command = `nobody has given a command for ${command_ms / 1000} s`;

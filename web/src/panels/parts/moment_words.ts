@@ -1,4 +1,4 @@
-/** The moment of a run that the page shows, in words. */
+/** Shown moment of a run as text. */
 
 import { shownIndex } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -8,11 +8,11 @@ import { useSignal } from "../../ui/signals.ts";
 import { happenedInWords, namesOf } from "./happened.ts";
 
 interface MomentWords {
-  /** Its place in the journal. */
+  /** Index of the event in the journal. */
   readonly index: number;
-  /** On the scale of the settings. */
+  /** Time on the scale from the settings. */
   readonly when: string;
-  /** The event. */
+  /** Description of the event. */
   readonly what: string;
 }
 

@@ -1,4 +1,4 @@
-/** What panels about a run say where none is shown: what would be here, and how to get it. */
+/** Placeholder of panels that need a run: the missing content, and a button to start a run. */
 
 import { Play } from "lucide-react";
 import { Empty } from "../../ui/empty.tsx";

@@ -1,5 +1,4 @@
-/** Where the run that is shown parts from the one that it is compared with: asked for when that is chosen, and once more when the run
- * is over. */
+/** Comparison of the shown run with another one. It is requested when the other run is chosen, and again when the shown run ends. */
 
 import { signal } from "@preact/signals-core";
 import type { Comparison } from "../../model/generated/protocol.ts";
@@ -11,16 +10,16 @@ import { RefusalError } from "../../store/page/server.ts";
 
 export interface Compared {
   readonly other: string;
-  /** Null while it is asked for. */
+  /** Null until it is loaded. */
   readonly comparison: Comparison | null;
-  /** Why there is none. */
+  /** Reason why the comparison failed. */
   readonly refusal: string | null;
 }
 
-/** What the comparison says that was chosen for a run; null if none is. */
+/** Comparison that was chosen for a run; null if there is none. */
 export const comparedOf = perOwner((_watch: Watch) => signal<Compared | null>(null));
 
-/** Asks the server anew. */
+/** Requests the comparison from the server. */
 export async function compareNow(page: Page, watch: Watch): Promise<void> {
   const other = comparedRun(watch).peek();
   const compared = comparedOf(watch);
@@ -40,7 +39,7 @@ export async function compareNow(page: Page, watch: Watch): Promise<void> {
   }
 }
 
-/** When the run that is shown first parts from the other one; null if nothing is compared, or they do not part. */
+/** First time at which the shown run differs from the other one; null without a comparison or a difference. */
 export function partedAt(watch: Watch): number | null {
   const first = comparedOf(watch).value?.comparison?.parted[0];
   return first?.one?.t_ns ?? null;

@@ -1,4 +1,4 @@
-/** An editor for facts, goals and actions in PDDL: completion, brackets, what is wrong in place. Knows nothing of React. */
+/** Editor for facts, goals and actions in PDDL, with completion, bracket matching and inline problems. It does not depend on React. */
 
 import {
   autocompletion,
@@ -24,19 +24,19 @@ interface PddlEditorOptions {
   readonly example: string;
   readonly readOnly: boolean;
   readonly words: () => PddlWords;
-  /** What is wrong with a text. */
+  /** Returns the problems of a text. */
   readonly faults: (text: string, words: PddlWords) => readonly PddlFault[];
   readonly onType: (text: string) => void;
-  /** Ctrl+Enter. */
+  /** Called on Ctrl+Enter. */
   readonly onApply: () => void;
-  /** The keyboard goes elsewhere. */
+  /** Called on loss of focus. */
   readonly onLeave: () => void;
 }
 
 export interface PddlEditor {
-  /** Puts another text in; nothing if it stands there already. */
+  /** Replaces the text. An unchanged text has no effect. */
   readonly put: (text: string) => void;
-  /** The words are others: what was wrong may be right. */
+  /** Checks the text again after a change of the known words. */
   readonly checkAgain: () => void;
   readonly dispose: () => void;
 }
@@ -91,7 +91,7 @@ function extensions(options: PddlEditorOptions): Extension {
     EditorView.updateListener.of((update) => {
       if (!update.docChanged) return;
       onType(update.state.doc.toString());
-      // Behind a bracket and behind a word something fits: it is offered without asking.
+      // Offers completions automatically after a bracket or a space.
       const isTyped = update.transactions.some((each) => each.isUserEvent("input.type"));
       const { head } = update.state.selection.main;
       const isAtStart = /[( ]/.test(update.state.doc.sliceString(head - 1, head));

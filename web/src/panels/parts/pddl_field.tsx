@@ -1,4 +1,4 @@
-/** A field for facts, a goal or an action. */
+/** Field for facts, a goal or an action. */
 
 import { useEffect, useRef } from "react";
 import { faultsOf, type PddlFault, type PddlWords } from "../../model/pddl.ts";
@@ -11,7 +11,7 @@ interface PddlFieldProps {
   readonly value: string;
   readonly readOnly?: boolean;
   readonly words: PddlWords;
-  /** What is wrong with a text; left out: that of facts. */
+  /** Returns the problems of a text. The default is the check of facts. */
   readonly faults?: (text: string, words: PddlWords) => readonly PddlFault[];
   readonly onChange: (text: string) => void;
   readonly onApply: () => void;
@@ -42,7 +42,7 @@ export function PddlField(props: PddlFieldProps) {
   }, []);
   const { value, words } = props;
   useEffect(() => editor.current?.put(value), [value]);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: with other words it is checked again
+  // biome-ignore lint/correctness/useExhaustiveDependencies: other words need another check
   useEffect(() => editor.current?.checkAgain(), [words]);
   return <div ref={place} className="pddl-text" />;
 }

@@ -1,4 +1,4 @@
-/** One question of a state: what it asks, how it is answered, how long there is time, and what happens then. */
+/** Question of a state: its message, the form, the remaining time, and the effect of the timeout. */
 
 import { CircleHelp, Timer } from "lucide-react";
 import { type FormEvent, useId, useState } from "react";
@@ -21,15 +21,15 @@ import {
 import { duration } from "./duration.ts";
 import "./question.css";
 
-/** With less time an answer is wanted at once. */
+/** Remaining time below which a question is urgent, in ms. */
 const SOON_MS = 15_000;
 
 interface QuestionFormProps {
   readonly watch: Watch;
   readonly question: Question;
-  /** Who asks, in words. */
+  /** State that asks, as text. */
   readonly asker: string;
-  /** Whether it has stood where it is for so long that a press on it can be meant. */
+  /** True if the form has not moved for a while, so that a press on it is intended. */
   readonly isUnmoved: boolean;
 }
 
@@ -66,7 +66,7 @@ export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionForm
       <div className="question-buttons">
         {buttons.map((label, button) => (
           <Button
-            // biome-ignore lint/suspicious/noArrayIndexKey: a button is its place
+            // biome-ignore lint/suspicious/noArrayIndexKey: a button is identified by its index
             key={button}
             kind={button === 0 ? "primary" : "plain"}
             disabled={!isUnmoved || refusal !== null || isSent || (button === 0 && fault !== null)}
@@ -85,7 +85,7 @@ export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionForm
   );
 }
 
-/** Whether an answer of this page is on its way. */
+/** True if a response of this page is pending. */
 function isUnderWay(watch: Watch, question: number): boolean {
   return watch.sent.value.some(
     ({ command, answer }) =>
@@ -107,7 +107,7 @@ function Entry({ form, filled, fault, onFill }: AnswerEntryProps) {
       <div className="question-boxes">
         {form.boxes.map((label, box) => (
           <Checkbox
-            // biome-ignore lint/suspicious/noArrayIndexKey: a box is its place
+            // biome-ignore lint/suspicious/noArrayIndexKey: a box is identified by its index
             key={box}
             label={label}
             checked={filled.checked[box] ?? false}
@@ -129,12 +129,12 @@ function Entry({ form, filled, fault, onFill }: AnswerEntryProps) {
   );
 }
 
-/** Whether an answer is wanted at once, by the time that is left for it. */
+/** True if little time remains for a response. */
 export function isSoon(left_ms: number | null): boolean {
   return left_ms !== null && left_ms <= SOON_MS;
 }
 
-/** How long there is time to answer, and what happens then. */
+/** Remaining time for a response, and the effect of the timeout. */
 function TimeLeft({ watch, question }: Pick<QuestionFormProps, "watch" | "question">) {
   const { page } = useHost().context();
   const { timeout_ms } = question;

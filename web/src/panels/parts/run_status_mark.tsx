@@ -1,11 +1,11 @@
-/** How a run stands: by colour, shape and word. */
+/** Status of a run, as colour, shape and text. */
 
 import type { RunStatusWords } from "../../model/run_words.ts";
 import "./run_status_mark.css";
 
 interface RunStatusProps {
   readonly status: RunStatusWords;
-  /** How old it is, if that is all that is known. */
+  /** Age of the status if it is assumed; null if it is current. */
   readonly assumed?: string | null;
 }
 

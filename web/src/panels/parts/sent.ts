@@ -1,12 +1,12 @@
-/** What is said of the commands that this page sent. Those under way stand there from the beginning; of those that were carried out
- * a glance is enough; all others stay until somebody has seen them. */
+/** Texts about the commands that this page sent. Pending commands are listed at once. Applied ones disappear after a short time;
+ * all others stay until the user closes them. */
 
 import type { Command, OpenCommand } from "../../model/generated/protocol.ts";
 import type { SentCommand } from "../../store/history/run.ts";
 import { dataSize } from "./data_size.ts";
 import { duration } from "./duration.ts";
 
-/** What a station knows of a command to a robot far away. */
+/** Pending command at a station, for a remote robot. */
 export interface CommandOnTheWay extends OpenCommand {
   readonly isRobotHeard: boolean;
 }
@@ -18,9 +18,9 @@ export interface SentLine {
   readonly words: string;
 }
 
-/** Carried out: shown for so long after that was known, however late. */
+/** Display time of applied commands after their response, in ms. */
 const APPLIED_MS = 2_500;
-/** So many stand there at most, the newest. */
+/** Maximum number of lines. The newest are shown. */
 const LINES_MAX = 5;
 
 export function sentLines(
@@ -43,7 +43,7 @@ export function sentLines(
   }));
 }
 
-/** Of two answers one counts: who came too late reads who was first. */
+/** Text for a response to a question that another user's response preceded. */
 function lateAnswer(
   { command, answer }: SentCommand,
   answeredBy: (question: number) => string | null,
@@ -76,7 +76,7 @@ function words(
   }
 }
 
-/** How far a command to a robot far away is, as far as the station knows. */
+/** Progress of a command to a remote robot, as far as the station knows. */
 function underWay(
   { stage, sent_ms, arrives_ms, not_before_ms, progress, isRobotHeard, ...way }: CommandOnTheWay,
   since_ms: number,
@@ -106,7 +106,7 @@ function underWay(
   return "should be at the robot; no answer yet";
 }
 
-/** Between the begin of the contact and the effect. */
+/** Time between the start of the contact and the effect. */
 function effect({ send_at_ms, effect_ms }: Pick<OpenCommand, "send_at_ms" | "effect_ms">): string {
   if (effect_ms === undefined) return "; time of effect unknown: delay not measured yet";
   return `; takes effect ${duration(effect_ms - (send_at_ms ?? effect_ms))} after its begin`;

@@ -1,4 +1,4 @@
-/** The plan: what it is, and each step with why it is there; beside the plan before, what is other now. */
+/** Plan with its steps and their reasons, and the differences from the previous plan. */
 
 import { useMemo, useState } from "react";
 import { isTaken } from "../../commands/planner.ts";
@@ -98,7 +98,7 @@ function keyOf({ difference, index }: ComparedStep<PlanStep>): string {
   return difference === "removed" ? `removed ${index}` : `${index}`;
 }
 
-/** How much is other than before; nothing where nothing is. */
+/** Number of changes since the previous plan. Hidden without changes. */
 function Difference({ rows }: { readonly rows: readonly ComparedStep<PlanStep>[] }) {
   const many = (wanted: string) => rows.filter(({ difference }) => difference === wanted).length;
   const [added, removed, kept] = [many("added"), many("removed"), many("kept")];

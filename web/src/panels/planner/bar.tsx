@@ -1,4 +1,4 @@
-/** Planning itself: begin, cancel, how it goes, and taking the plan. */
+/** Bar that starts and cancels planning, shows its progress, and accepts the plan. */
 
 import { Check, Route, Square } from "lucide-react";
 import { accept, isTaken } from "../../commands/planner.ts";
@@ -15,7 +15,7 @@ import { planningInWords } from "./words.ts";
 interface BarProps {
   readonly tab: OpenTab;
   readonly planner: Planner;
-  /** Why the plan cannot go into the machine. */
+  /** Reason why the plan cannot be inserted into the machine. */
   readonly fault: string | null;
   readonly onPlan: () => void;
 }

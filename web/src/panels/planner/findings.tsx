@@ -1,4 +1,4 @@
-/** What is wrong with skills, facts or goal, and the way to the libraries that it is about. */
+/** Problems of skills, facts or goal, with links to their libraries. */
 
 import { CircleAlert, TriangleAlert } from "lucide-react";
 import type { ReactNode } from "react";
@@ -31,9 +31,9 @@ export function Findings({ findings }: { readonly findings: readonly PlanFinding
   );
 }
 
-/** What stands in backticks is code. */
+/** Formats text in backticks as code. */
 function inWords(text: string): readonly ReactNode[] {
-  // biome-ignore lint/suspicious/noArrayIndexKey: the parts of a text never change places
+  // biome-ignore lint/suspicious/noArrayIndexKey: the parts of a text keep their order
   return text.split("`").map((part, at) => (at % 2 === 1 ? <code key={at}>{part}</code> : part));
 }
 

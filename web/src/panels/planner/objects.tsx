@@ -1,4 +1,4 @@
-/** The objects of the world: a table, or what a file says. */
+/** Objects of the world: a table, or the content of a file. */
 
 import { FileUp, Plus, Trash2 } from "lucide-react";
 import { useRef } from "react";

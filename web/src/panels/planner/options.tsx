@@ -1,4 +1,4 @@
-/** Who plans, for how long, and what becomes of a step that fails. */
+/** Options of planning: engine, time limit, and the handling of failed steps. */
 
 import type { PlanThen } from "../../model/generated/protocol.ts";
 import type { Planner } from "../../store/planner/planner.ts";

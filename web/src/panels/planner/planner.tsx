@@ -1,4 +1,4 @@
-/** Planning: what is there, what is to be reached, the plan with its reasons, and its machine on the canvas before it is accepted. */
+/** Planner: the available skills and objects, the goal, the plan with its reasons, and a preview of its machine on the canvas. */
 
 import { useEffect, useMemo, useRef } from "react";
 import { containerForPlan, ghostOf } from "../../commands/planner.ts";
@@ -91,7 +91,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
-/** Shows the answer on the canvas as long as it is offered and this panel is there; gives why it cannot go into the machine. */
+/** Previews the plan on the canvas while it is proposed and the panel is visible. Returns the reason why it cannot be inserted. */
 function useGhost(tab: OpenTab, planner: Planner): string | null {
   const { context } = useHost();
   const ghost = useComputed(() => ghostOf(tab, planner), [tab, planner]);
@@ -112,7 +112,7 @@ function useGhost(tab: OpenTab, planner: Planner): string | null {
   return typeof ghost === "string" ? ghost : null;
 }
 
-/** A new answer is what one wants to see. */
+/** Scrolls to a new plan or refusal. */
 function useAnswerInSight(planner: Planner) {
   const place = useRef<HTMLDivElement>(null);
   const found = useSignal(planner.found);

@@ -1,4 +1,4 @@
-/** The pool of skills: libraries, and what they add up to. */
+/** Pool of skills: the chosen libraries, and the resulting skills. */
 
 import { X } from "lucide-react";
 import type {
@@ -75,7 +75,7 @@ export function Skills({ planner }: { readonly planner: Planner }) {
 
 const PATHS_MAX = 500;
 
-/** Library roots, then the folders and libraries in them. */
+/** Paths of library roots, and of the folders and libraries in them. */
 function pathsIn(roots: readonly LibraryRoot[]): readonly string[] {
   const inside = (path: string, nodes: readonly LibraryNode[]): readonly string[] =>
     nodes.flatMap(({ name, children }) => [

@@ -1,4 +1,4 @@
-/** A step of a plan: what is done with what; opened, what it needs and from whom, and what it brings to whom. */
+/** Step of a plan: its skill and arguments. Expanded, it shows its conditions and effects, with the steps that they connect to. */
 
 import type { PlanFound, PlanStep } from "../../model/generated/protocol.ts";
 import type { ComparedStep } from "../../model/step_difference.ts";
@@ -8,11 +8,11 @@ import { short } from "./words.ts";
 
 interface StepProps {
   readonly row: ComparedStep<PlanStep>;
-  /** The plan that it stands in. */
+  /** Plan that contains the step. */
   readonly found: PlanFound;
   readonly isOpen: boolean;
   readonly onToggle: () => void;
-  /** Goes to another step of the plan. */
+  /** Selects another step of the plan. */
   readonly onGoTo: (index: number) => void;
 }
 

@@ -1,10 +1,10 @@
-/** What a planner's answers are in words. */
+/** Texts about the results of a planner. */
 
 import type { PlanFound } from "../../model/generated/protocol.ts";
 import { inPageWords } from "../../model/page_words.ts";
 import type { Planning } from "../../store/planner/planner.ts";
 
-/** How planning went; empty where nothing is to be said. */
+/** Progress or result of planning; empty if there is none to report. */
 export function planningInWords(planning: Planning, now_ms: number): string {
   switch (planning.state) {
     case "idle":

@@ -1,4 +1,4 @@
-/** What is wrong with the machine in front: each problem with its place, and what would mend it. */
+/** Problems of the active machine, each with its location and available repairs. */
 
 import { CircleAlert, CircleCheck, Info, TriangleAlert, Wrench } from "lucide-react";
 import { useMemo, useState } from "react";
@@ -76,7 +76,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
-/** Nothing was found, which means something only once the machine was checked. */
+/** Shown without problems. The text depends on whether the machine was checked. */
 function NoneFound({ tab }: { readonly tab: OpenTab }) {
   const isChecked = useSignal(tab.session.isChecked);
   if (tab.session.fixed !== null) {
@@ -177,7 +177,7 @@ function matching(query: string): (problem: MachineProblem) => boolean {
     [message, path, part, rule].some((text) => text.toLowerCase().includes(wanted));
 }
 
-/** `2 errors, 1 warning`. */
+/** Such as `2 errors, 1 warning`. */
 function inWords(problems: readonly MachineProblem[]): string {
   const count = (severity: string) =>
     problems.filter((problem) => problem.severity === severity).length;

@@ -1,5 +1,5 @@
-/** Active now: one row a branch, those that want somebody first, with its time against the usual, what ended before it, and steps
- * of this branch alone. */
+/** Active branches, one row each. Those that need a person come first. A row has the duration compared with earlier runs, the
+ * state that ended before, and buttons to step only this branch. */
 
 import { signal } from "@preact/signals-core";
 import { ArrowDownToLine, ArrowRightToLine, ArrowUpFromLine, Undo2 } from "lucide-react";
@@ -24,7 +24,7 @@ import "./running.css";
 
 const NO_RUN = signal<Watch | null>(null);
 const NO_PAST: ReadonlyMap<string, Baseline> = new Map();
-/** So many rows are shown; more are counted. */
+/** Maximum number of rows; further branches are only counted. */
 const ROWS_MAX = 60;
 
 export function Running() {
@@ -162,7 +162,7 @@ const STEPS = [
   ["run.out", "Step out", ArrowUpFromLine],
 ] as const;
 
-/** On the root's branch there is nobody beside it: all branches are this one. */
+/** The root's branch has no other beside it, so its buttons step without a branch argument. */
 function Steps({ branch, name }: { readonly branch: string; readonly name: string }) {
   const run = useCommand();
   const argument = useMemo(() => (branch === "" ? undefined : branch), [branch]);

@@ -1,9 +1,9 @@
-/** Which runs a search finds. */
+/** Search for runs. */
 
 import type { RunSummary } from "../../model/generated/protocol.ts";
 import { statusInWords, summaryStatusWords } from "../../model/run_words.ts";
 
-/** Runs that have every word of the search in their name, id, folder, author or how they stand. */
+/** Runs with every word of the search in their name, id, folder, author or status. */
 export function foundRuns(all: readonly RunSummary[], search: string): readonly RunSummary[] {
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   if (words.length === 0) return all;

@@ -1,4 +1,4 @@
-/** All runs of the server, the newest first: how each stands, and what can be done with it. */
+/** All runs of the server, the newest first, each with its status and actions. */
 
 import { signal } from "@preact/signals-core";
 import { MoreVertical, RefreshCw } from "lucide-react";
@@ -22,7 +22,7 @@ import "./runs.css";
 
 const NO_RUN = signal(null);
 
-/** So many are shown at first, and so many more each time. */
+/** Number of rows at first, and of rows that each click adds. */
 const STEP = 100;
 
 export function Runs() {
@@ -73,7 +73,7 @@ export function Runs() {
   );
 }
 
-/** While a run goes on its length and size change all the time: what the row shows does not. */
+/** Row that ignores the length and size of an active run, which change all the time and are not displayed. */
 const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run));
 
 function rowText(run: RunSummary): string {
@@ -137,7 +137,7 @@ function RunRow({ run }: { run: RunSummary }) {
   );
 }
 
-/** Whether a run that goes on may stand otherwise by now: nobody hears the server, or the server does not hear its program. */
+/** True if the status of an active run may be outdated: the server is not connected, or its program does not respond. */
 function useMayBeOld(run: RunSummary, isShown: boolean): boolean {
   const { page } = useHost().context();
   const isOldInFront = useIsOld(page);

@@ -1,4 +1,4 @@
-/** What the search shows: places of one machine or of all that are open, the best first. */
+/** Results of a search in one machine or in all open machines, the best first. */
 
 import { type SearchHit, type SearchScope, search } from "../../model/search.ts";
 import type { OpenTab } from "../../store/page/page.ts";
@@ -14,7 +14,7 @@ export interface Results {
   readonly total: number;
 }
 
-/** So many are shown; who wants others types more. */
+/** Maximum number of results. More words narrow them down. */
 export const SHOWN_MAX = 300;
 
 export function resultsIn(

@@ -1,4 +1,4 @@
-/** Search over everything in the machine in front, or in all that are open: types, shows on the canvas, flies there. */
+/** Search in the active machine or in all open ones. A result is shown on the canvas. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import { SearchX, Search as Sign } from "lucide-react";
@@ -32,7 +32,7 @@ interface SearchRequest {
   readonly everywhere: boolean;
 }
 
-/** What was looked for last; it stays when the panel is folded. */
+/** Last search. It survives closing the panel. */
 const REQUEST: Signal<SearchRequest> = signal({ text: "", scope: null, everywhere: false });
 
 const SCOPES: readonly (readonly [SearchScope | null, string])[] = [
@@ -59,7 +59,7 @@ export function Search() {
     [request.everywhere, open, active],
   );
   const version = useVersions(tabs);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: machines stay the same objects; their versions tell of changes
+  // biome-ignore lint/correctness/useExhaustiveDependencies: machines are mutable objects; their versions change with them
   const found = useMemo(
     () => resultsIn(tabs, text, request.scope),
     [tabs, text, request.scope, version],
@@ -101,7 +101,7 @@ export function Search() {
   );
 }
 
-/** Takes the keyboard whenever somebody asks to search. */
+/** Focuses the input when the search command runs. */
 function useKeyboard(place: { readonly current: HTMLElement | null }): void {
   const asked = useSignal(searchRevealRequest);
   useEffect(() => {
@@ -112,7 +112,7 @@ function useKeyboard(place: { readonly current: HTMLElement | null }): void {
   }, [asked, place]);
 }
 
-/** Another number whenever one of the machines is different. */
+/** Counter that changes whenever one of the machines changes. */
 function useVersions(tabs: readonly OpenTab[]): number {
   const [version, setVersion] = useState(0);
   useEffect(() => {

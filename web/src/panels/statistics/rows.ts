@@ -1,4 +1,4 @@
-/** Rows of the table of statistics: filtered and in order. Pure. */
+/** Rows of the table of statistics: filter and order. All functions are pure. */
 
 import type { StateStatistics } from "../../model/generated/protocol.ts";
 
@@ -22,7 +22,7 @@ function isSortKey(key: string): key is SortKey {
   return key === "names" || key in NUMBERS;
 }
 
-/** States with all words of the query in their names or outcomes, in order; what is alike stays by path. */
+/** States with all words of the query in their names or outcomes, sorted; equal ones by path. */
 export function rowsOf(
   states: readonly StateStatistics[],
   query: string,
@@ -41,13 +41,13 @@ export function rowsOf(
   return found.sort((one, other) => side * (number(one) - number(other)));
 }
 
-/** Another order after a click on a heading: names rise first, numbers fall. */
+/** Order after a click on a column title. Names start rising, numbers falling. */
 export function sortedBy(sort: Sort, key: string): Sort {
   if (!isSortKey(key)) return sort;
   return { key, down: sort.key === key ? !sort.down : key !== "names" };
 }
 
-/** Where lengths stand on a line from the shortest to the longest of all, by their magnitude: 0 to 1. */
+/** Logarithmic scale of durations from the shortest (0) to the longest (1) of all states. */
 export function scaleOf(states: readonly StateStatistics[]): (ns: number) => number {
   const least = Math.log(Math.max(1, Math.min(...states.map(({ min_ns }) => min_ns))));
   const most = Math.log(Math.max(1, Math.max(...states.map(({ max_ns }) => max_ns))));

@@ -1,4 +1,4 @@
-/** How often the states of a run ran, how long, and how they ended. */
+/** Statistics of the states of a run: number of visits, durations, and outcomes. */
 
 import { Flame, RefreshCw } from "lucide-react";
 import { type RefObject, useLayoutEffect, useMemo, useRef, useState } from "react";
@@ -132,7 +132,7 @@ function Rows({ tab, states, query, isNarrow }: StatisticsRowsProps) {
   );
 }
 
-/** Below this width columns that say the least give way. */
+/** Width below which the least important columns are hidden, in CSS pixels. */
 const NARROW_PX = 720;
 
 function useNarrow(place: RefObject<HTMLElement | null>): boolean {
@@ -202,7 +202,7 @@ function allColumns(states: readonly StateStatistics[]): readonly TableColumn<St
   ];
 }
 
-/** The name, with those around it behind: where there is little room, these give way. */
+/** Name, followed by the names around it, which are cut first. */
 function Names({ names }: { names: string }) {
   const parts = names.split("/");
   const around = parts.slice(0, -1).join(" / ");
@@ -218,7 +218,7 @@ interface SpreadProps {
   readonly scale: (ns: number) => number;
 }
 
-/** From the shortest to the longest, thick up to 95 of 100, with a mark at the median; beside each other by magnitude. */
+/** Durations from the shortest to the longest, thick up to the 95th percentile, with a mark at the median, on a logarithmic scale. */
 function Spread({ row, scale }: SpreadProps) {
   const percent = (ns: number) => `${(scale(ns) * 100).toFixed(1)}%`;
   const words = `from ${measured(row.min_ns / 1e6)} to ${measured(row.max_ns / 1e6)}, half within ${measured(row.median_ns / 1e6)}`;

@@ -1,4 +1,5 @@
-/** The statistics of a run, asked for again every few seconds while it goes on and somebody looks; of an earlier moment, counted here. */
+/** Statistics of a run, refreshed every few seconds while the panel is visible and the run continues. For an earlier moment they
+ * are computed here. */
 
 import { type RefObject, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import type { Statistics } from "../../model/generated/protocol.ts";
@@ -11,17 +12,17 @@ import { namesOf } from "../parts/happened.ts";
 
 const EVERY_MS = 3_000;
 
-/** What was counted, and until which event. */
+/** Statistics, and the last event that they include. */
 export type Counted = Pick<Statistics, "states" | "sequence">;
 
 interface RequestedStatistics {
   readonly statistics: Statistics | null;
   readonly refusal: string | null;
-  /** Asks now. */
+  /** Requests the statistics now. */
   readonly refresh: () => void;
 }
 
-/** `place` is what has to be in sight. */
+/** `place` is the element that must be visible. */
 export function useStatistics(
   runs: Runs,
   watch: Watch,
@@ -60,10 +61,10 @@ export function useStatistics(
   return { ...found, refresh };
 }
 
-/** So long a moment is shown before the server counts up to it. */
+/** Delay after the selection of a moment before the server computes its statistics, in ms. */
 const SETTLED_MS = 300;
 
-/** What had happened until the moment that is shown; null while live. Of a long run the server counts. */
+/** Statistics until the shown moment; null while live. For a long run the server computes them. */
 export function useStatisticsUntil(tab: OpenTab, watch: Watch, runs: Runs): Counted | null {
   const { journal, playhead } = watch;
   const sequence = useSignal(playhead);
@@ -83,7 +84,7 @@ export function useStatisticsUntil(tab: OpenTab, watch: Watch, runs: Runs): Coun
   return states && { states, sequence };
 }
 
-/** What the server counted up to an event; of another one while that is on its way. */
+/** Statistics from the server until an event. While they load, the previous ones are returned. */
 function useAsked(runs: Runs, { id }: Watch, sequence: number | null): Counted | null {
   const [found, setFound] = useState<Counted | null>(null);
   useEffect(() => {

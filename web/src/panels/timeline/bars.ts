@@ -1,5 +1,5 @@
-/** What of a row shows in a part of a run's time: a bar for each call that is wide enough; of those that are not, how many lie
- * together and how many of them failed. So a row costs as much as it is wide, however much happened. */
+/** Visible bars of a row: one for each call that is wide enough. Narrow calls are merged into one bar with their number and the
+ * number of failures. The cost of a row depends on its width, not on its number of calls. */
 
 import { type Calls, NONE } from "../../store/history/calls.ts";
 import { type CallLook, type CallRow, hasFailed, lookOf } from "../../store/history/lanes.ts";
@@ -12,20 +12,20 @@ export type Bar =
   | {
       readonly x: number;
       readonly width: number;
-      /** How many calls. */
+      /** Number of merged calls. */
       readonly many: number;
       readonly failed: number;
-      /** The first of them. */
+      /** First merged call. */
       readonly first: number;
     };
 
-/** Below this width in CSS pixels calls are drawn together. */
+/** Width below which calls are merged, in CSS pixels. */
 export const NARROW_PX = 2;
 
 export interface Scale {
   readonly span: TimeSpan;
   readonly width: number;
-  /** Until when what goes on has come. */
+  /** End of active calls, in ns. */
   readonly end_ns: number;
 }
 
@@ -37,7 +37,7 @@ export function timeAt({ span, width }: Scale, x: number): number {
   return span.from_ns + (x / width) * (span.to_ns - span.from_ns);
 }
 
-/** From left to right. */
+/** Bars from left to right. */
 export function barsOf(calls: Calls, row: CallRow | SeenRow, scale: Scale): readonly Bar[] {
   return row instanceof SeenRow ? seenBars(row, scale) : hereBars(calls, row, scale);
 }
@@ -78,12 +78,12 @@ function hereBars(calls: Calls, row: CallRow, scale: Scale): readonly Bar[] {
   return bars;
 }
 
-/** What left an error looks as what aborted, whatever its outcome. */
+/** Style of a bar. A call with an error has the style of an aborted one, whatever its outcome. */
 function barLook(calls: Calls, call: number): CallLook {
   return hasFailed(calls, call) ? "aborted" : lookOf(calls, call);
 }
 
-/** The place in the row behind the narrow calls that begin in the same pixels; a wide one at their end stands for itself. */
+/** Index in the row after the narrow calls that begin in the pixels at `x`. A wide call at their end is left out. */
 function together(calls: Calls, row: CallRow, scale: Scale, x: number): number {
   const edge = Math.floor(x) + NARROW_PX;
   const behind = row.firstFrom(calls.journal.indexAt(timeAt(scale, edge)));
@@ -94,7 +94,7 @@ function together(calls: Calls, row: CallRow, scale: Scale, x: number): number {
   return isWide ? behind - 1 : behind;
 }
 
-/** The call of a row at a time; NONE if nothing ran there. */
+/** Call of a row at a time; NONE if there is none. */
 export function callAt(calls: Calls, row: CallRow, t_ns: number, end_ns: number): number {
   const { journal } = calls;
   const place = row.firstFrom(journal.indexAt(t_ns + 1)) - 1;

@@ -1,4 +1,4 @@
-/** The two canvases of the time line: keeps them painted, a frame at most for each change, and takes the pointer. */
+/** The two canvases of the timeline: repaints them at most once per frame after changes, and handles the pointer. */
 
 import { effect } from "@preact/signals-core";
 import { inksOf, onTheme, scaledContext } from "../../store/canvas_element.ts";
@@ -19,16 +19,16 @@ import { panned, zoomed } from "./span.ts";
 interface ChartPlaces {
   readonly ruler: HTMLCanvasElement;
   readonly rows: HTMLCanvasElement;
-  /** What scrolls the rows. */
+  /** Element that scrolls the rows. */
   readonly scroller: HTMLElement;
 }
 
 interface ChartOptions {
   readonly tab: OpenTab;
   readonly model: TimelineModel;
-  /** When what is shown parts from the run that it is compared with. */
+  /** Time at which the shown run differs from the compared one. */
   readonly parted_ns: () => number | null;
-  /** When the page was not told. */
+  /** Times without data from the server. */
   readonly gaps: () => readonly Gap[];
 }
 
@@ -38,9 +38,9 @@ export function mountChart(places: ChartPlaces, options: ChartOptions): () => vo
   return () => chart.dispose();
 }
 
-/** A press that moves no farther is a click. */
+/** Largest movement of a click, in CSS pixels. */
 const CLICK_PX = 4;
-/** One step of the wheel. */
+/** Zoom factor per unit of the wheel. */
 const WHEEL = 1.0016;
 const OPAQUE = { alpha: false };
 
@@ -48,7 +48,7 @@ class Chart {
   readonly #places: ChartPlaces;
   readonly #options: ChartOptions;
   readonly #stops: (() => void)[];
-  /** The colours and the font as they are while it stands in the document; null: to be looked up. */
+  /** Colours and font while the canvas is in the document; null before they are read. */
   #looks: Pick<Scene, "inks" | "font"> | null = null;
   #frame = 0;
 
@@ -75,7 +75,7 @@ class Chart {
     for (const stop of this.#stops) stop();
   }
 
-  /** All that the picture depends on. */
+  /** Reads all signals that the picture depends on. */
   #read(): void {
     const { tab, model, parted_ns, gaps } = this.#options;
     gaps();
@@ -110,7 +110,7 @@ class Chart {
   #paint(): void {
     this.#frame = 0;
     const { ruler, rows, scroller } = this.#places;
-    // Behind another panel it has no size and no colours; it is painted when it comes to the front.
+    // A hidden panel has no size and no colours. It is painted when it becomes visible.
     if (!rows.isConnected) return;
     this.#looks ??= { inks: inksOf(rows), font: getComputedStyle(rows).fontFamily };
     const { tab, model, parted_ns, gaps } = this.#options;
@@ -140,7 +140,7 @@ class Chart {
     const { width } = scene.scale;
     const above = scaledContext(ruler, { width, height: RULER_PX }, OPAQUE);
     if (above) paintRuler(above, scene);
-    // For those who wait until all of the time that shows is drawn.
+    // For tests that wait until the whole visible time is drawn.
     const isDrawn = model.isHere || model.overviews.seen.peek() !== null;
     if (rows.parentElement) rows.parentElement.dataset["drawn"] = isDrawn ? "whole" : "part";
     const below = scaledContext(rows, { width, height: scene.height }, OPAQUE);
@@ -167,7 +167,7 @@ class Chart {
     );
   }
 
-  /** Up and down zooms, sideways and with Shift pans. With Ctrl it zooms as well, as everywhere. */
+  /** Handles the wheel: vertical turns zoom, horizontal turns and Shift pan. Ctrl zooms as well. */
   #wheel(event: WheelEvent): void {
     event.preventDefault();
     const { model } = this.#options;
@@ -194,7 +194,7 @@ class Chart {
     else model.show(note);
   }
 
-  /** The number of the event whose mark on the ruler is pressed. */
+  /** Sequence number of the event with the pressed mark on the ruler. */
   #noteAt(event: PointerEvent): number | null {
     if (event.offsetY < RULER_PX / 2) return null;
     const { journal } = this.#options.model.watch;
@@ -207,7 +207,7 @@ class Chart {
     return Math.abs(away) <= CLICK_PX + 2 ? journal.sequence(note.index) : null;
   }
 
-  /** The moment at this place; right of the end live. */
+  /** Shows the moment at this position; the live run to the right of the last event. */
   #showAt(x: number): void {
     const { model } = this.#options;
     const t_ns = timeAt(this.#scale, x);
@@ -239,7 +239,7 @@ class Chart {
     rows.addEventListener("pointercancel", () => listening.abort(), { signal });
   }
 
-  /** Shows the moment, and selects the state that ran there. */
+  /** Shows the moment, and selects the state that was active there. */
   #click(event: PointerEvent): void {
     const { tab, model } = this.#options;
     const { calls } = model;
@@ -252,7 +252,7 @@ class Chart {
       select(tab.view, [{ kind: "state", path }]);
   }
 
-  /** Shows a moment within a call, however narrow its bar is. */
+  /** Shows a moment within a call, even if its bar is narrow. */
   #showIn(call: number, x: number): void {
     const { calls, watch } = this.#options.model;
     const [begin, end] = [calls.begin(call), calls.end(call)];

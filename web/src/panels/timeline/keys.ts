@@ -1,5 +1,4 @@
-/** What keys do on the time line: arrows go event by event, with Ctrl from entry to entry of the selected state, Home and End to the
- * ends. */
+/** Keys on the timeline: arrows move by one event, with Ctrl by one entry of the selected state. Home and End move to the ends. */
 
 import { latinKey } from "../../commands/keys.ts";
 import { stepPlayhead, toEnd, toEntry } from "../../store/history/moments.ts";
@@ -12,7 +11,7 @@ interface TimelineKey {
   readonly altKey: boolean;
 }
 
-/** Does what the key stands for; false if it stands for nothing. */
+/** Runs the action of the key; false if the key has none. */
 export function timelineKey(
   key: TimelineKey,
   model: TimelineModel,

@@ -1,4 +1,4 @@
-/** Where lanes and their rows stand on the time line: a folded lane shows one row, what worked in it. */
+/** Positions of lanes and their rows on the timeline. A folded lane has a single row with its innermost states. */
 
 import type { Calls } from "../../store/history/calls.ts";
 import { CallRow, type Lane } from "../../store/history/lanes.ts";
@@ -26,7 +26,7 @@ export interface TimelineLayout {
   readonly height: number;
 }
 
-/** Lanes from the top; those inside a folded lane stay. */
+/** Lanes from top to bottom. Inner lanes of a folded lane stay. */
 export function layoutOf(
   lanes: readonly (Lane | SeenLane)[],
   folded: ReadonlySet<string>,
@@ -43,7 +43,7 @@ export function layoutOf(
   return { lanes: boxes, height: y };
 }
 
-/** Lanes in which something ran in a part of the run's time. Those around them did, too. */
+/** Lanes with activity in a part of the run's time. The lanes around an active one are active, too. */
 export function lanesIn<L extends Lane | SeenLane>(
   calls: Calls,
   lanes: readonly L[],
@@ -58,7 +58,7 @@ export function lanesIn<L extends Lane | SeenLane>(
   );
 }
 
-/** The row at a height; undefined between lanes. */
+/** Row at a height; undefined between lanes. */
 export function rowAt(layout: TimelineLayout, y: number): LaneRow | undefined {
   const box = layout.lanes.find((lane) => y >= lane.y && y < lane.y + lane.height);
   return box?.rows[Math.floor((y - box.y) / ROW_PX)];

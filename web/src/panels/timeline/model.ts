@@ -1,5 +1,5 @@
-/** What the time line of a run remembers: the part that shows, folded lanes, the search and where one stands in it, what the pointer
- * is at. Belongs to the run as this page watches it. */
+/** State of the timeline of a run: the visible span, folded lanes, the search with its current hit, and the hovered position. It
+ * belongs to the watched run. */
 
 import { type Signal, signal } from "@preact/signals-core";
 import type { Moment } from "../../model/generated/protocol.ts";
@@ -19,17 +19,17 @@ import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
 import { Overviews } from "./overviews.ts";
 import { fitted, type SpanRequest, spanOf, type TimeSpan, withTime, zoomed } from "./span.ts";
 
-/** What the pointer is at. */
+/** Hovered position of the chart. */
 export interface Pointed {
-  /** In the rows' canvas, in CSS pixels. */
+  /** Position in the canvas of the rows, in CSS pixels. */
   readonly x: number;
   readonly y: number;
   readonly t_ns: number;
-  /** The call there; null between calls. */
+  /** Hovered call; null between calls. */
   readonly call: number | null;
-  /** What the server says of it, where the call is not here. */
+  /** Data from the server, for calls that are not loaded. */
   readonly seen: SeenBar | null;
-  /** How many calls lie together there, and how many of them failed. */
+  /** Number of merged calls at the position, and of failures among them. */
   readonly many: number;
   readonly failed: number;
 }
@@ -38,17 +38,17 @@ export class TimelineModel {
   readonly watch: Watch;
   readonly spanRequest: Signal<SpanRequest> = signal<SpanRequest>(null);
   readonly folded: Signal<ReadonlySet<string>> = signal<ReadonlySet<string>>(new Set());
-  /** Whether only branches show that ran in the part of time that shows. */
+  /** True to show only branches that were active in the visible span. */
   readonly isOnlyInSight = signal(false);
   readonly found: Signal<RunSearch | null> = signal<RunSearch | null>(null);
   readonly query = signal("");
-  /** The number of the event that the search stands at. */
+  /** Sequence number of the current hit. */
   readonly hit: Signal<number | null> = signal<number | null>(null);
   readonly pointed: Signal<Pointed | null> = signal<Pointed | null>(null);
 
   readonly overviews: Overviews;
   readonly #page: Pick<Page, "server" | "runs">;
-  /** A time whose moment is asked for. */
+  /** Requested time of a moment that is not loaded yet. */
   readonly #asked_ns: Signal<number | null> = signal<number | null>(null);
   #isAsking = false;
 
@@ -58,12 +58,12 @@ export class TimelineModel {
     this.overviews = new Overviews((what) => page.runs.get(watch.id, what));
   }
 
-  /** The calls around the moment that is shown. */
+  /** Calls around the shown moment. */
   get calls(): Calls {
     return callsOf(this.watch.window);
   }
 
-  /** Whether all that happened in the part of time that shows is here; else the server draws it. A signal's reader. */
+  /** True if all events of the visible span are loaded; otherwise the server draws it. Reads a signal. */
   get isHere(): boolean {
     this.watch.journalVersion.value;
     const { watch, span, told_ns } = this;
@@ -74,7 +74,7 @@ export class TimelineModel {
     return isBegun && isWhole;
   }
 
-  /** The time of the moment that is shown; null: live. */
+  /** Time of the shown moment; null while live. */
   get shown_ns(): number | null {
     const playhead = this.watch.playhead.value;
     if (this.#asked_ns.value !== null) return this.#asked_ns.value;
@@ -84,7 +84,7 @@ export class TimelineModel {
     return playheadSnapshot.value?.picture.t_ns ?? null;
   }
 
-  /** Shows the moment at a time; where that is not here it is asked for. */
+  /** Shows the moment at a time, and loads it if necessary. */
   showTime(t_ns: number): void {
     if (showTime(this.watch, t_ns)) {
       this.#asked_ns.value = null;
@@ -112,19 +112,19 @@ export class TimelineModel {
     this.#isAsking = false;
   }
 
-  /** Shows the moment after an event, or what is now. */
+  /** Shows the moment after an event; null shows the live run. */
   show(sequence: number | null): void {
     this.#asked_ns.value = null;
     this.watch.playhead.value = sequence;
   }
 
-  /** How far the run has come. While it goes on, another number once a second. A signal's reader. */
+  /** Current length of the run in ns, updated every second while it is active. Reads a signal. */
   get end_ns(): number {
     const isLive = this.watch.now.value?.run.phase === "live";
     return progressAt(this.#page, this.watch, isLive ? clock1s.value : 0) * 1e6;
   }
 
-  /** When the last event was: after it nothing has changed. */
+  /** Time of the last event, after which nothing has changed. */
   get told_ns(): number {
     const { journal } = this.watch;
     return journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
@@ -134,7 +134,7 @@ export class TimelineModel {
     return spanOf(this.spanRequest.value, this.end_ns);
   }
 
-  /** Where lanes and rows stand. */
+  /** Positions of lanes and rows. */
   get layout(): TimelineLayout {
     const { calls } = this;
     const seen = this.isHere ? null : this.overviews.best(this.span);
@@ -143,7 +143,7 @@ export class TimelineModel {
     return layoutOf(lanes, this.folded.value);
   }
 
-  /** Around the moment that is shown; live, at the end. */
+  /** Zooms around the shown moment or, while live, around the end. If that is not visible, around the middle. */
   zoom(factor: number): void {
     const { span, end_ns } = this;
     const at = this.shown_ns ?? end_ns;
@@ -156,7 +156,7 @@ export class TimelineModel {
     this.spanRequest.value = null;
   }
 
-  /** Shows the call of a state at the moment, else its last one; false if it never ran. */
+  /** Shows the call of a state at the moment, or else its last call; false if the state never ran. */
   fitState(path: string): boolean {
     const { calls, end_ns } = this;
     const all = calls.of(path);
@@ -168,7 +168,7 @@ export class TimelineModel {
     return true;
   }
 
-  /** Brings the moment that is shown into sight. */
+  /** Moves the shown moment into view. */
   reveal(): void {
     const t_ns = this.shown_ns;
     if (t_ns === null) return;
@@ -192,7 +192,7 @@ export class TimelineModel {
     this.found.value = new RunSearch(this.watch, this.#page.runs, query, nameOf);
   }
 
-  /** Goes to the next hit after the moment that is shown, or the one before, around the ends. */
+  /** Shows the next or previous hit relative to the current one. After the last hit it continues with the first. */
   toHit(direction: "before" | "after"): void {
     const found = this.found.value;
     if (!found || found.count === 0) return;

@@ -1,5 +1,5 @@
-/** The part of a run's time that shows and is not here, as the server draws it: one is asked for at a time, and the one before stays in
- * sight meanwhile. */
+/** Overviews of parts of a run that are not loaded, computed by the server. One is requested at a time, and the previous one is
+ * shown meanwhile. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Overview } from "../../model/generated/protocol.ts";
@@ -11,21 +11,21 @@ export interface Seen {
   readonly span: TimeSpan;
   readonly width: number;
   readonly lanes: readonly SeenLane[];
-  /** The last event that it takes in. */
+  /** Last event that it includes. */
   readonly sequence: number;
   readonly concurrent: readonly string[];
 }
 
 type AskOverview = (what: string) => Promise<Overview>;
 
-/** What could not be had is asked for again after so long; a run that goes on is asked for its newest part so often. */
+/** Retry interval after a refusal, and refresh interval of the newest part of an active run, in ms. */
 const AGAIN_MS = 1_000;
 const PIXELS_MAX = 10_000;
 
 export class Overviews {
   readonly #ask: AskOverview;
   readonly #seen = signal<Seen | null>(null);
-  /** The widest part that came: from it all shows in few words while a part in more detail is on its way. */
+  /** Widest loaded part. It is shown at low resolution while a more detailed part loads. */
   #widest: Seen | null = null;
   #wanted: { readonly span: TimeSpan; readonly width: number; readonly last: number } | null = null;
   #isAsking = false;
@@ -35,12 +35,12 @@ export class Overviews {
     this.#ask = ask;
   }
 
-  /** What came last. */
+  /** Overview that was loaded last. */
   get seen(): ReadonlySignal<Seen | null> {
     return this.#seen;
   }
 
-  /** What shows most of a part: what came last if that has all of it, else the widest. A signal's reader. */
+  /** Best overview of a part: the last one if it covers the part, or else the widest. Reads a signal. */
   best({ from_ns, to_ns }: TimeSpan): Seen | null {
     const seen = this.#seen.value;
     const has = (each: Seen | null) =>
@@ -48,7 +48,7 @@ export class Overviews {
     return has(seen) || !has(this.#widest) ? seen : this.#widest;
   }
 
-  /** This part shows, so wide, of a run with so many events. */
+  /** Requests a part with a width in CSS pixels, of a run with this last event. */
   want(span: TimeSpan, width: number, last: number): void {
     this.#wanted = { span, width, last };
     void this.#load();
@@ -90,7 +90,7 @@ export class Overviews {
   }
 }
 
-/** With as much room beside it as half of it, so that it can be moved. */
+/** Span extended by half its length on each side, so that it can be panned. */
 function around(span: TimeSpan): TimeSpan {
   const room = length(span) / 2;
   return { from_ns: Math.max(0, span.from_ns - room), to_ns: span.to_ns + room };

@@ -1,4 +1,4 @@
-/** Paints the time line: rows of bars, and the ruler above with what is worth a mark. */
+/** Paints the timeline: rows of bars, and above them the ruler with its marks. */
 
 import type { Inks } from "../../store/canvas_element.ts";
 import type { Calls } from "../../store/history/calls.ts";
@@ -17,21 +17,21 @@ export interface Scene {
   readonly found: RunSearch | null;
   readonly layout: TimelineLayout;
   readonly scale: Scale;
-  /** How far the rows are scrolled. */
+  /** Scroll position of the rows, in CSS pixels. */
   readonly top: number;
   readonly height: number;
-  /** The time of the moment that is shown; null: live. */
+  /** Time of the shown moment; null while live. */
   readonly shown_ns: number | null;
-  /** The number of the hit that one stands at. */
+  /** Sequence number of the current hit. */
   readonly hit: number | null;
   readonly selected: ReadonlySet<string>;
   readonly hovered: number | null;
-  /** When what is shown parts from another run. */
+  /** Time at which the shown run differs from another run. */
   readonly parted_ns: number | null;
-  /** When the page was not told. */
+  /** Times without data from the server. */
   readonly gaps: readonly Gap[];
   readonly nameOf: NameOf;
-  /** A time in words, to this step. */
+  /** Formats a time with the precision of this step. */
   readonly timeOf: (t_ns: number, step_ms: number) => string;
   readonly inks: Inks;
   readonly font: string;
@@ -71,7 +71,7 @@ export function paintRows(context: CanvasRenderingContext2D, scene: Scene): void
 
 const HATCH_PX = 7;
 
-/** Hatched: what happened there was told afterwards, or not yet. */
+/** Hatches times without live data. Their events arrived later, or are still missing. */
 function paintGaps(
   context: CanvasRenderingContext2D,
   { gaps, scale, inks }: Scene,
@@ -143,7 +143,7 @@ function paintBar(context: CanvasRenderingContext2D, scene: Scene, bar: Bar, y: 
   });
 }
 
-/** How many calls are drawn together, and how many of them failed; null of one that is drawn alone. */
+/** Number of merged calls and failures of a bar; null for a single call. */
 function togetherIn(bar: Bar): { readonly many: number; readonly failed: number } | null {
   if (!("seen" in bar)) return "many" in bar ? bar : null;
   return bar.seen.many > 1 || bar.width <= NARROW_PX ? bar.seen : null;
@@ -168,7 +168,8 @@ interface Rect {
   readonly height: number;
 }
 
-/** The lower edge says how a call ended, by colour and by shape: whole, broken, or double. */
+/** Edge of a bar, which shows the end of the call by its shape: dashed if undone or interrupted, with a block at the end if
+ * aborted, with a line on top if preempted. */
 function paintEdge(context: CanvasRenderingContext2D, look: CallLook, rect: Rect): void {
   const { left, top, width, height } = rect;
   const y = top + height - 2;
@@ -199,7 +200,7 @@ function paintName(
   context.fillText(cut(context, text, room), left + PADDING, y);
 }
 
-/** As much of a text as there is room for. */
+/** Text, cut to the available width. */
 function cut(context: CanvasRenderingContext2D, text: string, room: number): string {
   const wide = context.measureText(text).width;
   if (wide <= room) return text;
@@ -207,7 +208,7 @@ function cut(context: CanvasRenderingContext2D, text: string, room: number): str
   return `${text.slice(0, kept)}…`;
 }
 
-/** What is later than the moment that is shown is drawn back; a line stands at the moment. */
+/** Dims everything after the shown moment, and draws a line at the moment. */
 function paintPlayhead(context: CanvasRenderingContext2D, scene: Scene, height: number): void {
   const { scale, shown_ns, inks, parted_ns } = scene;
   if (parted_ns !== null) {
@@ -280,7 +281,7 @@ const NOTE_INKS: Readonly<Record<NoteKind, string>> = {
   crash: "--danger",
 };
 
-/** The letter of each kind, for those who cannot tell colours apart. */
+/** Symbol of each kind, for users who cannot distinguish the colours. */
 const NOTE_SIGNS: Readonly<Record<NoteKind, string>> = {
   command: "›",
   edit: "±",
@@ -320,7 +321,7 @@ function paintFlag(context: CanvasRenderingContext2D, { scale, shown_ns, inks }:
   triangle(context, xOf(scale, t_ns), RULER_PX - 2, 7);
 }
 
-/** A triangle that points down, its point at `y`. */
+/** Triangle that points down to `y`. */
 function triangle(context: CanvasRenderingContext2D, x: number, y: number, size: number): void {
   context.beginPath();
   context.moveTo(x - size * 0.8, y - size);

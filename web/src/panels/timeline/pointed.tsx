@@ -1,4 +1,4 @@
-/** What the pointer is at on the time line: which state, when, how long, how it ended. */
+/** Description of the hovered position on the timeline: state, time, duration and outcome. */
 
 import { errorInWords } from "../../store/history/failures.ts";
 import type { Journal } from "../../store/history/journal.ts";
@@ -65,7 +65,7 @@ function CallThere({ model, call }: Pick<PointedProps, "model"> & { readonly cal
   );
 }
 
-/** What the server says: of several calls only when they were. */
+/** Data from the server. For merged calls it contains only their time. */
 function SeenThere({ model, pointed: { seen } }: Pick<PointedProps, "model"> & Here) {
   if (!seen) return null;
   const length = (seen.to_ns ?? model.end_ns) - seen.from_ns;

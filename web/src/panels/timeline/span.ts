@@ -1,19 +1,19 @@
-/** Which part of a run's time shows, and how it is moved: zoomed, panned, fitted, glued to now. */
+/** Visible part of a run's time, and its movements: zoom, pan, fit, and following the end. */
 
 export interface TimeSpan {
   readonly from_ns: number;
   readonly to_ns: number;
 }
 
-/** What is wanted: all; or a part, which may go along with now. */
+/** Requested span: null for the whole run, or a part, which may follow the end. */
 export type SpanRequest = null | (TimeSpan & { readonly isFollowing: boolean });
 
-/** No part is shorter. */
+/** Shortest part. */
 const SHORTEST_NS = 2_000;
-/** Beside all of it, so much room is left at the end. */
+/** Free space at the end of the whole run, as a share of its length. */
 const ROOM = 0.02;
 
-/** What shows of a run that has come so far. */
+/** Visible span of a run of this length. */
 export function spanOf(spanRequest: SpanRequest, end_ns: number): TimeSpan {
   const whole = { from_ns: 0, to_ns: Math.max(SHORTEST_NS, end_ns * (1 + ROOM)) };
   if (spanRequest === null) return whole;
@@ -22,7 +22,7 @@ export function spanOf(spanRequest: SpanRequest, end_ns: number): TimeSpan {
   return { from_ns: Math.max(0, whole.to_ns - length), to_ns: whole.to_ns };
 }
 
-/** Shows `factor` times as much, with what is at a time staying where it is. */
+/** Shows `factor` times as much, and keeps the time `at_ns` in place. */
 export function zoomed(span: TimeSpan, factor: number, at_ns: number, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = Math.max(SHORTEST_NS, (span.to_ns - span.from_ns) * factor);
@@ -35,20 +35,20 @@ export function panned(span: TimeSpan, by_ns: number, end_ns: number): SpanReque
   return held({ from_ns: span.from_ns + by_ns, to_ns: span.to_ns + by_ns }, end_ns);
 }
 
-/** Shows this part with some room around. */
+/** Shows this part with a margin on each side. */
 export function fitted(part: TimeSpan, end_ns: number): SpanRequest {
   const room = Math.max(SHORTEST_NS, part.to_ns - part.from_ns) * 0.1;
   return held({ from_ns: part.from_ns - room, to_ns: part.to_ns + room }, end_ns);
 }
 
-/** Moves the part so that a time shows; the same if it does. */
+/** Moves the span until a time is visible. The request is unchanged if it already is. */
 export function withTime(spanRequest: SpanRequest, at_ns: number, end_ns: number): SpanRequest {
   const span = spanOf(spanRequest, end_ns);
   if (at_ns >= span.from_ns && at_ns <= span.to_ns) return spanRequest;
   return panned(span, at_ns - (span.from_ns + span.to_ns) / 2, end_ns);
 }
 
-/** Inside of the run; at its end it goes along with it. */
+/** Limits the span to the run. A span at the end follows the run. */
 function held(span: TimeSpan, end_ns: number): SpanRequest {
   const whole = spanOf(null, end_ns);
   const length = span.to_ns - span.from_ns;
@@ -60,7 +60,7 @@ function held(span: TimeSpan, end_ns: number): SpanRequest {
 
 const STEPS = [1, 2, 5];
 
-/** Times at which the ruler has a mark, and how far they are from one another, in ms: so many at most. */
+/** Times of the marks on the ruler, at most `most`, and the distance between them in ms. */
 export function ticks(
   span: TimeSpan,
   most: number,
@@ -74,7 +74,7 @@ export function ticks(
 
 const MINUTES_NS = [15, 30, 60, 120, 300, 600, 900, 1_800, 3_600].map((seconds) => seconds * 1e9);
 
-/** The smallest round length that is no less. */
+/** Smallest round length of at least `least_ns`. */
 function stepFor(least_ns: number): number {
   if (least_ns > 10e9) {
     const found = MINUTES_NS.find((step) => step >= least_ns);

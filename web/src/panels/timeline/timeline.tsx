@@ -1,5 +1,4 @@
-/** The time line of the run in front: a lane for each branch, its states as bars, and the moment that the page shows, moved by
- * pointer and keys. */
+/** Timeline of the current run: one lane per branch with its states as bars, and the shown moment, which pointer and keys move. */
 
 import { signal } from "@preact/signals-core";
 import {
@@ -197,7 +196,7 @@ function SearchField({ tab, model }: Pick<TimelineProps, "tab" | "model">) {
 
 const NEVER = signal(0);
 
-/** The place is 0 before one was gone to. */
+/** Position of the current hit, as text. A place of 0 means that no hit was selected yet. */
 function hitsInWords(found: RunSearch, place: number): string {
   const { count, isFull, isAsking, refusal } = found;
   if (count === 0 && refusal !== null) return refusal;

@@ -1,19 +1,19 @@
-/** Which states the tree shows: all, or those that fit a filter with the states around them. */
+/** States that the tree shows: all, or those that match a filter with the states around them. */
 
 import type { Machine } from "../../model/machine.ts";
 import { match, queryOf, type TextSpan } from "../../model/match.ts";
 import { idOf, parentOf } from "../../model/path.ts";
 
 interface Filtered {
-  /** The states that show; null for all. */
+  /** Visible states; null for all. */
   readonly shown: ReadonlySet<string> | null;
-  /** What fits in the names of those that fit themselves. */
+  /** Matching parts of the names. */
   readonly spans: ReadonlyMap<string, readonly TextSpan[]>;
 }
 
 const ALL: Filtered = { shown: null, spans: new Map() };
 
-/** Goes by names and ids, also in content of libraries that is here. */
+/** Filters by names and ids, including loaded content of libraries. */
 export function filtered(machine: Machine, text: string): Filtered {
   const query = queryOf(text);
   if (query.words.length === 0) return ALL;

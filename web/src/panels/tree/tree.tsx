@@ -1,4 +1,4 @@
-/** The machine in front as a tree of states: to find one, to select, to rearrange by its menu. */
+/** Active machine as a tree of states, for searching, selecting, and rearranging by its menu. */
 
 import { ListTree } from "lucide-react";
 import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
@@ -44,7 +44,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<Point | null>(null);
   const [open, expand] = useOpen(tab);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine is a mutable object; its version changes with it
   const { shown, spans } = useMemo(() => filtered(machine, query), [machine, query, version]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: as above
   const childrenOf = useCallback(
@@ -101,7 +101,7 @@ function OfTab({ tab }: { readonly tab: OpenTab }) {
   );
 }
 
-/** What is open in the tree: what the user opened, and what stands around the selected states. */
+/** Expanded states: those that the user expanded, and those around the selected states. */
 function useOpen(tab: OpenTab): [ReadonlySet<string>, (path: string, open: boolean) => void] {
   const { openInTree } = tab.view;
   const { root } = tab.session.machine;

@@ -1,4 +1,4 @@
-/** Says of a value that came ahead of its event how old it is by the robot's clock. */
+/** Age of a value that arrived ahead of its event, by the robot's clock. */
 
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
@@ -14,7 +14,7 @@ export function Ahead({ watch, at_ns }: { readonly watch: Watch; readonly at_ns:
   const { page } = useHost().context();
   const here_ms = useSignal(clock1s);
   const now_ms = useComputed(() => elapsedNow(page, watch, here_ms), [page, watch, here_ms]);
-  // What the robot says is as old as the way from it is long.
+  // Data from the robot is as old as the delay of one direction.
   const way_ms = useComputed(() => (watch.now.value?.robot?.round_trip_ms ?? 0) / 2, [watch]);
   const age_ms = Math.max(0, now_ms + way_ms - at_ns / 1e6);
   return (

@@ -1,4 +1,4 @@
-/** A watched value over the time of the run. The cursor is that of all plots; a click sets the moment that the page shows. */
+/** Plot of a watched value over the time of the run. All plots share one cursor. A click sets the shown moment. */
 
 import { useEffect, useRef, useState } from "react";
 import type uPlot from "uplot";
@@ -43,7 +43,7 @@ export function Plot({ watched }: { watched: ShownValue }) {
       plot.current = null;
     };
   }, []);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the series stays the same object; `changed` and `journalVersion` tell of it
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the series is mutable; the two counters change with it
   useEffect(() => plot.current?.setData(dataOf(watched)), [watched, changed, journalVersion]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the line of the moment is read when it is drawn
   useEffect(() => plot.current?.redraw(false), [playhead]);
@@ -65,7 +65,7 @@ interface Latest {
   readonly playhead: number | null;
 }
 
-/** The plot itself comes when it is first needed. */
+/** Creates the plot. Its library is loaded on first use. */
 async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
   const { default: Made } = await import("uplot");
   const colour = (name: string) => () => getComputedStyle(home).getPropertyValue(name).trim();
@@ -111,7 +111,7 @@ async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
   );
 }
 
-/** The value under the cursor, in words. */
+/** Shows the value under the cursor as text. */
 function tell(home: HTMLElement, plot: uPlot, { watched }: Latest): void {
   const point = pointAt(plot, watched.history.series.points);
   const words = point ? `${point.value} at ${duration(point.t_ns / 1e6)}` : "";
@@ -124,7 +124,7 @@ function show(plot: uPlot, { watched }: Latest): void {
   if (point) watched.watch.playhead.value = point.sequence;
 }
 
-/** The last point up to the cursor. */
+/** Last point at or before the cursor. */
 function pointAt(plot: uPlot, points: readonly SeriesPoint[]): SeriesPoint | null {
   const left = plot.cursor.left ?? -1;
   if (left < 0) return null;
@@ -133,7 +133,7 @@ function pointAt(plot: uPlot, points: readonly SeriesPoint[]): SeriesPoint | nul
   return points[after < 0 ? points.length - 1 : Math.max(0, after - 1)] ?? null;
 }
 
-/** Times in seconds and values; what it was last it still is. */
+/** Times in seconds, and values. The last value is extended to the end of the journal. */
 function dataOf({ history, watch }: ShownValue): uPlot.AlignedData {
   const { points } = history.series;
   const { journal } = watch;
@@ -166,7 +166,7 @@ function drawPlayhead(plot: uPlot, { watched, playhead }: Latest, colour: string
   ctx.restore();
 }
 
-/** As wide as its place, in the colours of the theme. */
+/** Keeps the plot as wide as its container, and in the colours of the theme. */
 function follow(home: HTMLElement, plot: uPlot): () => void {
   const sizes = new ResizeObserver(() => {
     if (home.clientWidth > 0) plot.setSize({ width: home.clientWidth, height: HEIGHT_PX });

@@ -1,4 +1,4 @@
-/** One watched state: what is active in it, and its values with those of all that is in it, the newest that are known. */
+/** A watched state: its active states, and its newest known values with those of all states inside. */
 
 import { computed } from "@preact/signals-core";
 import { X } from "lucide-react";
@@ -18,7 +18,7 @@ import { reveal } from "../reveal.ts";
 import { Ahead } from "./ahead.tsx";
 
 const PACE_MS = 200;
-/** So many values are shown: who needs more watches less at once. */
+/** Maximum number of values. For more, watch an inner state. */
 const SHOWN_MAX = 60;
 
 interface StateCardProps {
@@ -94,7 +94,7 @@ function InRun({ tab, path, watch }: StateCardProps & { readonly watch: Watch })
 
 interface StateValueProps {
   readonly tab: OpenTab;
-  /** The state that is watched. */
+  /** Path of the watched state. */
   readonly state: string;
   readonly watch: Watch;
   readonly value: ValueIn;

@@ -1,4 +1,4 @@
-/** One watched value: where it is from, what of it is watched, what it is, and how it went. */
+/** A watched value: its source, the watched expression, the current value, and its history. */
 
 import { ChevronLeft, ChevronRight, X } from "lucide-react";
 import { useEffect, useMemo } from "react";
@@ -167,7 +167,7 @@ function Now({ tab, watched, watch, expression }: WatchInRunProps) {
   );
 }
 
-/** When the value came. */
+/** Time at which the value was set. */
 function Since({ watch, sequence }: { watch: Watch; sequence: number }) {
   useSignal(timeScale);
   const { journal } = watch;
@@ -179,7 +179,7 @@ function Since({ watch, sequence }: { watch: Watch; sequence: number }) {
   );
 }
 
-/** Numbers as a plot, all else as its last changes. */
+/** History of the value: a plot for numbers, otherwise the last changes. */
 function Over({ watched }: { watched: ShownValue }) {
   const { history, watch } = watched;
   useSignal(history.changed);
@@ -203,7 +203,7 @@ function Over({ watched }: { watched: ShownValue }) {
   );
 }
 
-/** From point to point by keyboard: what a click into the plot does. */
+/** Buttons for the previous and next value. They do by keyboard what a click into the plot does. */
 function Steps({ watched: { name, watch, history } }: { watched: ShownValue }) {
   const playhead = useSignal(watch.playhead);
   const { series } = history;
@@ -234,9 +234,9 @@ function Steps({ watched: { name, watch, history } }: { watched: ShownValue }) {
   );
 }
 
-/** So many of the last changes are shown. */
+/** Maximum number of displayed changes. */
 const CHANGES_SHOWN = 20;
-/** A change has room for so much. */
+/** Maximum number of characters of a change. */
 const CHANGE_MAX = 60;
 
 function Changes({ changes, watch }: { changes: readonly ChangeOfValue[]; watch: Watch }) {

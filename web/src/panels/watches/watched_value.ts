@@ -1,10 +1,10 @@
-/** One watched value of one run, as its parts are given it. */
+/** A watched value of a run, as input of its components. */
 
 import type { Watch } from "../../store/history/run.ts";
 import type { ValueHistory } from "../../store/run/value_history.ts";
 
 export interface ShownValue {
-  /** What is watched, in words. */
+  /** Watched value or expression, as text. */
   readonly name: string;
   readonly watch: Watch;
   readonly history: ValueHistory;

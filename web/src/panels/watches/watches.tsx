@@ -1,4 +1,4 @@
-/** Values that the user watches: what they are now or at the moment that is shown, and over the time of the run. */
+/** Values that the user watches: now or at the shown moment, and over the time of the run. */
 
 import { computed } from "@preact/signals-core";
 import { type DragEvent, useMemo, useState } from "react";
@@ -74,17 +74,17 @@ function OfTab({ tab }: { tab: OpenTab }) {
   );
 }
 
-/** So long after it was asked, the robot may simply not have answered yet. */
+/** Time for a response in addition to the delay of the link, in ms. A longer silence is reported. */
 const ANSWER_MS = 6_000;
 
-/** What the robot does not know of what is watched. */
+/** Warns that the robot has not confirmed the watched values, or does not send all of them ahead. */
 function AskedOfRobot({ watch }: { watch: Watch }) {
   const { page } = useHost().context();
   const { watching } = useSignal(watch.ahead);
   const robot = useComputed(() => watch.now.value?.robot ?? null, [watch]);
   const pulse = useSignal(page.server.pulse);
   if (!watching || !robot) return null;
-  // Silence of the server is no silence of the robot.
+  // Time of the server, so that a silent server does not appear as a silent robot.
   const waits_ms = (pulse?.server_ms ?? 0) - watching.asked_ms;
   const patience_ms = 2 * (robot.round_trip_ms ?? 0) + ANSWER_MS;
   const isOpen = !watching.is_confirmed && waits_ms > patience_ms;
@@ -102,15 +102,15 @@ function AskedOfRobot({ watch }: { watch: Watch }) {
 const KINDS: readonly PortKind[] = ["input", "output", "scoped_variable"];
 const KIND_TITLES = { input: "Input", output: "Output", scoped_variable: "Scoped variable" };
 
-/** What is chosen to be watched: a value of the selected state, or the state with all that is in it. */
+/** Value of the option that watches the selected state with everything inside. Other options are single values. */
 const WHOLE_STATE = "state";
 
-/** The selected state and its values can be watched before they are there. */
+/** Adds the selected state or one of its values, even before they have a value. */
 function Adding({ tab }: { tab: OpenTab }) {
   const selection = useSignal(tab.view.selection);
   const version = useSignal(tab.session.version);
   const { machine } = tab.session;
-  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine stays the same object; its version tells of changes
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the machine is a mutable object; its version changes with it
   const [state, targets] = useMemo(() => {
     const [path = machine.root] = selectedStates(tab.view);
     const found = machine.state(path);

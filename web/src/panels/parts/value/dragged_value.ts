@@ -1,4 +1,4 @@
-/** A value that is dragged from where it stands to where it is to be watched. */
+/** Dragging a value from its display to the watched values. */
 
 import type { Target } from "../../../store/run/watched_values.ts";
 
@@ -14,12 +14,12 @@ export function dragValue({ dataTransfer }: Drag, target: Target): void {
   dataTransfer.setData("text/plain", target.name);
 }
 
-/** Whether a value is dragged here. */
+/** True if the dragged object is a value. */
 export function isValueDrag({ dataTransfer }: Drag): boolean {
   return dataTransfer.types.includes(TYPE);
 }
 
-/** The value that was dropped; null if it was something else. */
+/** Dropped value; null for other objects. */
 export function droppedValue({ dataTransfer }: Drag): Target | null {
   const text = dataTransfer.getData(TYPE);
   return text === "" ? null : (JSON.parse(text) as Target);

@@ -1,4 +1,4 @@
-/** The forms that a value can be shown in, as a row of switches. */
+/** Buttons that choose the display format of a value. */
 
 import { useSignal } from "../../../ui/signals.ts";
 import { chooseForm, forms, type ValueForm } from "./kept_choice.ts";
@@ -10,7 +10,7 @@ const TITLES: Readonly<Record<ValueForm, string>> = {
   plot: "Plot",
 };
 
-/** The form that was chosen for values of this kind, or the first; null if there is none. */
+/** Chosen format for values of this kind, or the first one; null if there is none. */
 export function useForm(kind: string, options: readonly ValueForm[]): ValueForm | null {
   const chosen = useSignal(forms)[kind];
   return options.find((option) => option === chosen) ?? options[0] ?? null;

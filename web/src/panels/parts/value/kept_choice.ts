@@ -1,9 +1,9 @@
-/** How values are shown, as the user left it: which of their parts are open, and in which form numbers and records stand. */
+/** Stored display choices for values: expanded parts, and the format of numbers and records. */
 
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import { BROWSER_STORE, kept } from "../../../store/local_store.ts";
 
-/** Which form of a value is shown where there are several. */
+/** Display format of a value. */
 export type ValueForm = "list" | "table" | "image" | "plot";
 
 const KEY = "rafcon.value.forms";
@@ -14,7 +14,7 @@ const chosen = signal<Forms>(kept<Forms>(BROWSER_STORE, KEY) ?? {});
 
 export const forms: ReadonlySignal<Forms> = chosen;
 
-/** Shows values of this kind in this form from now on. */
+/** Stores the format for all values of this kind. */
 export function chooseForm(kind: string, form: ValueForm): void {
   chosen.value = { ...chosen.peek(), [kind]: form };
   BROWSER_STORE.put(KEY, chosen.peek());
@@ -23,7 +23,7 @@ export function chooseForm(kind: string, form: ValueForm): void {
 const OPEN_MAX = 500;
 const open = new Map<string, ReadonlySet<string>>();
 
-/** The parts of a value that were open when it was seen last. */
+/** Parts of a value that were expanded at its last display. */
 export function openParts(keep: string): ReadonlySet<string> | undefined {
   return open.get(keep);
 }

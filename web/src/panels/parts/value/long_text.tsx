@@ -1,4 +1,4 @@
-/** A text of any length: its first lines, all of it when asked, and a field to find something in it. */
+/** Text of any length: its first lines, all of it on request, and a search field. */
 
 import { useState } from "react";
 import { Button } from "../../../ui/button.tsx";
@@ -7,11 +7,11 @@ import { Marked } from "../../../ui/marked.tsx";
 
 interface LongTextProps {
   readonly text: string;
-  /** How many characters it had, if not all of them were kept. */
+  /** Original number of characters, if the text was truncated. */
   readonly count?: number | undefined;
 }
 
-/** From so many characters on one wants to search. */
+/** Length from which a search field is shown, in characters. */
 const SEARCH_FROM = 200;
 const FOLDED_MAX = 240;
 
@@ -63,7 +63,7 @@ function firstLines(text: string): string {
   return lines.length < text.length ? lines : text;
 }
 
-/** Where the words stand in the text, whatever their case. */
+/** Matches of the query in the text, ignoring case. */
 export function placesOf(text: string, query: string): { start: number; length: number }[] {
   const [all, wanted] = [text.toLowerCase(), query.toLowerCase()];
   const places = [];

@@ -1,4 +1,4 @@
-/** Numbers in rows: as a table, a plot or an image. There are 256 at most, so all are drawn. */
+/** Numbers in rows, as a table, plot or image. Their number is limited to 256, so all are drawn. */
 
 import { type PointerEvent, useEffect, useRef, useState } from "react";
 import { isColoured, type NumberArray, range } from "../../../model/numbers.ts";
@@ -9,14 +9,14 @@ interface NumbersProps {
   readonly name: string;
 }
 
-/** A row for each place along all axes but the last. */
+/** Table with one row per index of all axes except the last. */
 export function NumbersTable({ numbers: { items, shape, steps }, name }: NumbersProps) {
   const width = shape.length < 2 ? 1 : (shape.at(-1) ?? 1);
   const outer = shape.length < 2 ? shape : shape.slice(0, -1);
   const rows = Array.from({ length: items.length / width }, (_, row) => row);
   const columns = Array.from({ length: width }, (_, column) => column);
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so the keyboard has to get there
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: scrolling by keyboard needs the focus
     <section className="value-scroll" aria-label={`${name} as a table`} tabIndex={0}>
       <table className="value-table">
         {shape.length > 1 && (
@@ -46,7 +46,7 @@ export function NumbersTable({ numbers: { items, shape, steps }, name }: Numbers
   );
 }
 
-/** Where a row stands in the value itself: `12`, `3, 0`. */
+/** Index of a row in the original value: `12`, `3, 0`. */
 function placeOf(row: number, outer: readonly number[], steps: readonly number[]): string {
   const place: number[] = [];
   let rest = row;
@@ -102,7 +102,7 @@ export function NumbersPlot({ numbers: { items, steps }, name }: NumbersProps) {
   );
 }
 
-/** A line through what is finite, with gaps where something is not. */
+/** Line through finite values, with gaps at others. */
 function pathOf(
   items: readonly number[],
   x: (index: number) => number,
@@ -117,7 +117,7 @@ function pathOf(
   return parts.join("");
 }
 
-/** Each number as a grey, or three or four as a colour. */
+/** Image with one grey per number, or one colour per three or four numbers. */
 export function NumbersImage({ numbers, name }: NumbersProps) {
   const place = useRef<HTMLCanvasElement>(null);
   const [height = 1, width = 1] = numbers.shape;

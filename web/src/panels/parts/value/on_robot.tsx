@@ -1,4 +1,4 @@
-/** A value whose bytes only its robot has: what it costs to fetch them, how far they are, and the buttons for that. */
+/** Value with bytes that are only on its robot: cost and progress of a transfer, and the buttons for it. */
 
 import { Download, X } from "lucide-react";
 import { useEffect, useState } from "react";
@@ -13,7 +13,7 @@ import { duration } from "../duration.ts";
 import { useDetail } from "./use_detail.ts";
 import "./on_robot.css";
 
-/** So often it is asked how far a value is that comes, and what one costs that does not. */
+/** Refresh intervals of the progress during a transfer, and of the cost without one, in ms. */
 const COMING_MS = 1_000;
 const COST_MS = 5_000;
 
@@ -22,12 +22,12 @@ type OnRobot = Extract<KeptValue, { kept: "on_robot" }>;
 interface OnRobotProps {
   readonly page: Page;
   readonly watch: Watch;
-  /** The event that the value is of; null if it is not known. */
+  /** Event of the value; null if unknown. */
   readonly sequence: number | null;
   readonly name: string;
 }
 
-/** Shows nothing if all of the value is here. */
+/** Empty if the whole value is on this server. */
 export function OnRobotValue({ page, watch, sequence, name }: OnRobotProps) {
   const { detail } = useDetail(page.runs, watch.id, sequence);
   const values = detail?.sequence === sequence ? detail.values : [];
@@ -64,7 +64,7 @@ function Fetching({ page, watch, name, first }: FetchingProps) {
       },
       (error: unknown) => setRefusal(error instanceof Error ? error.message : String(error)),
     );
-  // biome-ignore lint/correctness/useExhaustiveDependencies: what is asked for is the same as long as the value is
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `ask` depends only on the value
   useEffect(() => {
     if (!isOnRobot) return;
     const again = () => void ask(page.runs.get<KeptValue>(run, path));
@@ -124,7 +124,7 @@ function Progress({ name, here, bytes }: { name: string; here: number; bytes: nu
   );
 }
 
-/** What is shown, where the rest is, and what that costs. */
+/** Text about the displayed part, the location of the rest, and the cost of a transfer. */
 function words({ bytes, link_bytes, takes_ms, fetch }: OnRobot): string {
   const where = `Shown in part: all ${dataSize(bytes)} are on the robot.`;
   if (link_bytes === null) return `${where} This server does not receive that robot.`;

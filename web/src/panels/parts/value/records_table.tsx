@@ -1,11 +1,11 @@
-/** A list of dicts as a table: a column for each key. */
+/** List of dicts as a table with one column per key. */
 
 import type { Records } from "../../../model/numbers.ts";
 import { shortValue } from "../../../model/short_value.ts";
 
 export function RecordsTable({ records, name }: { records: Records; name: string }) {
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so the keyboard has to get there
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: scrolling by keyboard needs the focus
     <section className="value-scroll" aria-label={`${name} as a table`} tabIndex={0}>
       <table className="value-table value-records">
         <thead>
@@ -20,7 +20,7 @@ export function RecordsTable({ records, name }: { records: Records; name: string
         </thead>
         <tbody>
           {records.rows.map((row, index) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: a record is what stands at its place
+            // biome-ignore lint/suspicious/noArrayIndexKey: a record is identified by its index
             <tr key={index}>
               <th scope="row">{index}</th>
               {records.keys.map((key) => (

@@ -1,4 +1,4 @@
-/** One event of a run with its values, while it is on its way the one before. */
+/** An event of a run with its values. While it loads, the previous one is returned. */
 
 import { useEffect, useRef, useState } from "react";
 import type { EventDetail } from "../../../model/generated/protocol.ts";
@@ -6,16 +6,16 @@ import { eventDetail } from "../../../store/history/event_details.ts";
 import type { Runs } from "../../../store/history/run.ts";
 
 export interface Detailed {
-  /** The newest that came; null before the first. */
+  /** Newest loaded event; null before the first. */
   readonly detail: EventDetail | null;
-  /** Why the wanted one did not come. */
+  /** Reason why the requested event is unavailable. */
   readonly refusal: string | null;
 }
 
 const NOTHING: Detailed = { detail: null, refusal: null };
 
-/** Asks for the event; null wants none. What was asked for before counts until the newest has come: else values that change faster
- * than they are told would never be others. */
+/** Requests the event, or none if `sequence` is null. Earlier requests stay valid until the newest one has loaded. Otherwise
+ * values that change faster than they load would never be updated. */
 export function useDetail(runs: Runs, run: string, sequence: number | null): Detailed {
   const [found, setFound] = useState(NOTHING);
   const order = useRef({ asked: 0, shown: 0 });

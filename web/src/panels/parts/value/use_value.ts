@@ -1,4 +1,4 @@
-/** A watched value at the moment that the page shows. */
+/** Watched value at the shown moment. */
 
 import { computed } from "@preact/signals-core";
 import { useEffect, useMemo } from "react";
@@ -22,18 +22,18 @@ export type ValueNow =
       readonly state: "there";
       readonly value: unknown;
       readonly sequence: number | null;
-      /** It came ahead of its event, at this time of the run. */
+      /** Time of the run at which the value arrived ahead of its event. */
       readonly aheadAt_ns?: number;
     }
-  /** It is known to be there, and too long to come ahead of its event. */
+  /** The value exists, but is too long to be sent ahead of its event. */
   | { readonly state: "long"; readonly long: LongValue; readonly aheadAt_ns: number }
-  /** In words for people. */
+  /** Reason as text. */
   | { readonly state: "none"; readonly why: string }
   | { readonly state: "coming" };
 
 const COMING: ValueNow = { state: "coming" };
 
-/** What is at hand, and else the event that tells. */
+/** Available value, or the event that contains it. */
 type FoundValue = ValueNow | { readonly state: "event"; readonly sequence: number };
 
 export function useValue(page: Page, tab: OpenTab, watch: Watch, target: Target): ValueNow {

@@ -1,4 +1,4 @@
-/** One value in a line, and what is in it below, if it is open. */
+/** A value in one line, with its content below if it is expanded. */
 
 import { ChevronRight, Copy } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
@@ -13,7 +13,7 @@ import { LongText } from "./long_text.tsx";
 import { NumbersImage, NumbersPlot, NumbersTable } from "./numbers_view.tsx";
 import { RecordsTable } from "./records_table.tsx";
 
-/** What of a value is open. */
+/** Expanded parts of a value. */
 interface ValueTree {
   readonly isOpen: (valuePath: string) => boolean;
   readonly toggle: (valuePath: string) => void;
@@ -28,7 +28,7 @@ interface ValueRowProps {
   readonly actions?: ReactNode;
 }
 
-/** A line has room for so much. */
+/** Maximum number of characters in a line. */
 const LINE_MAX = 60;
 
 export function ValueRow({ name, value, valuePath, tree, actions }: ValueRowProps) {
@@ -74,7 +74,7 @@ export function ValueRow({ name, value, valuePath, tree, actions }: ValueRowProp
   );
 }
 
-/** The value in short. If it became another one while it was looked at, it is lit up for a glance. */
+/** Abbreviated value. It is highlighted briefly after a change. */
 function Short({ short, kind }: { readonly short: string; readonly kind: Read["kind"] }) {
   const first = useRef(short);
   const wasOther = useRef(false);
@@ -87,7 +87,7 @@ function Short({ short, kind }: { readonly short: string; readonly kind: Read["k
   );
 }
 
-/** The type, unless the line itself says it. */
+/** Type, unless the text of the value contains it. */
 function TypeOf({ found, short }: { found: Read; short: string }) {
   const words = typeWords(found);
   const isSaid = found.kind === "none" || found.kind === "error" || short.startsWith(words);
@@ -160,7 +160,7 @@ interface ValueRowsProps extends InsideProps {
   readonly name: string;
 }
 
-/** A list or array, in the form that was chosen for its kind. */
+/** List or array, in the format chosen for its kind. */
 function Rows({ found, name, valuePath, tree }: ValueRowsProps) {
   const numbers = numbersOf(found);
   const records = recordsOf(found);
@@ -187,7 +187,7 @@ function Rows({ found, name, valuePath, tree }: ValueRowsProps) {
   );
 }
 
-/** The forms that there are, the usual one first. */
+/** Available formats, the default first. */
 function formsOf(
   found: ValueRowsProps["found"],
   axes: number,
@@ -223,7 +223,7 @@ interface ValuePartsProps {
   readonly tree: ValueTree;
 }
 
-/** So many parts are made at a time. */
+/** Number of parts that are rendered at a time. */
 const PARTS_STEP = 50;
 
 function Parts({ entries, count, valuePath, tree }: ValuePartsProps) {

@@ -1,4 +1,4 @@
-/** Any value of a run, structured: a tree that folds, with types and sizes. What is folded is not made. */
+/** Any value of a run as a tree with types and sizes. Collapsed parts are not rendered. */
 
 import { type ReactNode, useState } from "react";
 import { keepOpen, openParts } from "./kept_choice.ts";
@@ -6,19 +6,19 @@ import { ValueRow } from "./value_row.tsx";
 import "./value.css";
 
 interface ValueViewProps {
-  /** As it came: what docs/protocol.md says of values. */
+  /** Value as received, encoded as in docs/protocol.md. */
   readonly value: unknown;
-  /** What it is called; left out: it stands under its name already. */
+  /** Name of the value. Undefined if a title above shows it already. */
   readonly name?: string | undefined;
-  /** Names it among all values, so that it comes back with the same parts open. */
+  /** Key under which the expanded parts are stored. */
   readonly keep?: string | undefined;
-  /** Whether it is open if nobody has folded it. */
+  /** True to expand the value until the user collapses it. */
   readonly openAtFirst?: boolean | undefined;
-  /** Buttons at the end of its line. */
+  /** Buttons at the end of the first line. */
   readonly actions?: ReactNode;
 }
 
-/** The parts of a value by their ways from it; the value itself has the empty way. */
+/** Path of the value itself. Parts are identified by their paths. */
 const ROOT = "";
 
 export function ValueView({ value, name, keep, openAtFirst = false, actions }: ValueViewProps) {
