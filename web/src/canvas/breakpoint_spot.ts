@@ -10,7 +10,7 @@ const AWAY = 16;
 /** Largest distance from the dot at which a click still hits it, in CSS pixels. */
 export const BREAKPOINT_REACH = 7;
 
-/** Center of the dot of a box on the screen; null if the box is too small for one. */
+/** Centre of the dot of a box on the screen; null if the box is too small for one. */
 export function breakpointSpot({ x, y, width, height }: Box): Point | null {
   if (Math.min(width, height) < LEAST) return null;
   return { x: x + Math.min(AWAY, width / 3), y };

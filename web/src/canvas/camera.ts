@@ -42,7 +42,7 @@ export function panned(camera: Camera, by: Point): Camera {
   return { ...camera, x: camera.x - by.x / camera.scale, y: camera.y - by.y / camera.scale };
 }
 
-/** Camera that shows the whole box, centered, with a margin in CSS pixels. */
+/** Camera that shows the whole box, centred, with a margin in CSS pixels. */
 export function fitted(box: Box, view: Size, margin: number): Camera {
   const width = Math.max(1, view.width - 2 * margin);
   const height = Math.max(1, view.height - 2 * margin);

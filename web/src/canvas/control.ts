@@ -11,7 +11,7 @@ export interface CanvasControl {
   readonly reveal: (element: ElementRef) => void;
   /** Flies to the proposed machine, or to one of its states. */
   readonly revealGhost: (path?: string) => void;
-  /** Zooms about the center of the view. */
+  /** Zooms about the centre of the view. */
   readonly zoom: (factor: number) => void;
   /** Moves the content by this many CSS pixels. */
   readonly pan: (by: Point) => void;

@@ -11,7 +11,7 @@ import { filling } from "./looks.ts";
 /** Store of this browser tab, which survives reloads. */
 const TAB_STORE = localStoreOf(() => window.sessionStorage);
 
-/** Sets the camera as soon as the canvas has a size. After a resize the center of the view, or the whole machine, stays visible.
+/** Sets the camera as soon as the canvas has a size. After a resize the centre of the view, or the whole machine, stays visible.
  * Stores the camera when the page is left. Returns a function that stops all this. */
 export function firstLook(
   root: HTMLElement,
@@ -50,7 +50,7 @@ function lookAtMachine(machine: Box | null, size: Size): Camera | null {
   return machine && filling([machine], size);
 }
 
-/** Camera after a resize: it keeps the center, or fits the whole machine if that was fitted before. */
+/** Camera after a resize: it keeps the centre, or fits the whole machine if that was fitted before. */
 export function resized(camera: Camera, machine: Box | null, before: Size, after: Size): Camera {
   if (before.width === after.width && before.height === after.height) return camera;
   const fitted = lookAtMachine(machine, before);

@@ -59,7 +59,7 @@ export function findAgain(
   return isWorthIt ? wanted : null;
 }
 
-/** True if the whole box is in the view. A box larger than the view needs only its center there. */
+/** True if the whole box is in the view. A box larger than the view needs only its centre there. */
 function isInSight(box: Box, camera: Camera, size: Size): boolean {
   const on = screenBox(camera, box);
   const across = isWithin(on.x, on.width, size.width);

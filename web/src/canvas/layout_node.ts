@@ -348,7 +348,7 @@ function placeIn(
   return fitted(rootSize(state), container.size);
 }
 
-/** Largest centered box for the content of a library, and its scale. */
+/** Largest centred box for the content of a library, and its scale. */
 function fitted(content: Size, size: Size): { readonly box: Box; readonly scale: number } {
   const margin = Math.min(size.width, size.height) * CONTENT_MARGIN;
   const [free, high] = [size.width - 2 * margin, size.height - 2 * margin];

@@ -151,7 +151,7 @@ function breakpointHit(search: Search, near: readonly string[]): CanvasHit | nul
   return path === undefined ? null : { on: "breakpoint", element: { kind: "state", path } };
 }
 
-/** Corners take precedence over ports; sides come after them. */
+/** Reach of corners and sides, in CSS pixels. Corners take precedence over ports; sides come after them. */
 const CORNER_REACH = 6;
 const SIDE_REACH = 4;
 

@@ -62,7 +62,7 @@ export interface DotMark {
 export interface TextMark {
   readonly what: string;
   readonly x: number;
-  /** Vertical center of the text. */
+  /** Vertical centre of the text. */
   readonly y: number;
   readonly text: string;
   readonly size: number;
@@ -100,7 +100,7 @@ export type Icon =
 export interface IconMark {
   readonly what: string;
   readonly icon: Icon;
-  /** Center of the icon. */
+  /** Centre of the icon. */
   readonly x: number;
   readonly y: number;
   readonly size: number;

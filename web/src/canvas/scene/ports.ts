@@ -207,7 +207,7 @@ function isUpright(side: PortSide): boolean {
   return side === "left" || side === "right";
 }
 
-/** Distance between the center of a port and its text. */
+/** Distance between the centre of a port and its text. */
 function awayFrom(size: number): number {
   return size / 2 + 5;
 }

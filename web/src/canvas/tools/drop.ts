@@ -96,7 +96,7 @@ function sideIn(container: string, { layout }: ToolContext): number {
   return box ? (Math.min(box.width, box.height) / layout.unit(container)) * 0.2 : 1;
 }
 
-/** Upper left corner of a new state that is centered at the pointer but entirely inside the container. */
+/** Upper left corner of a new state that is centred at the pointer but entirely inside the container. */
 function cornerAt(container: string, pointer: Pointer, context: ToolContext): Point {
   const { layout } = context;
   const middle = inState(layout, container, worldOf(pointer, context));
