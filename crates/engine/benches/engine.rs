@@ -1,4 +1,4 @@
-//! The engine alone, with scripts that answer at once: starting, transitions, parallel branches, depth.
+//! Benchmarks of the engine alone: start, transitions, parallel branches and depth. Scripts return at once.
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use rafcon_engine::{
@@ -17,7 +17,7 @@ fn compiled(text: &str) -> Arc<Program<Value>> {
     Arc::new(Program::compile(&machine, &mut ModelLiterals))
 }
 
-/// A ring of states that count up in a scoped variable.
+/// A ring of states that increment a scoped variable.
 fn ring(states: usize) -> String {
     let state = |state: usize| {
         let next = (state + 1) % states;
@@ -36,7 +36,7 @@ fn ring(states: usize) -> String {
     head.to_owned() + &(0..states).map(state).collect::<Vec<_>>().concat()
 }
 
-/// A barrier or race of states that end at once.
+/// A barrier or race whose states end at once.
 fn branches(kind: &str, count: usize) -> String {
     let branch = |branch: usize| format!("  execution S{branch}\n    outcome done\n");
     let end = match kind {
@@ -52,7 +52,7 @@ fn branches(kind: &str, count: usize) -> String {
     format!("{kind} ROOT\n  outcome done\n{children}{end}")
 }
 
-/// Hierarchies inside hierarchies.
+/// Hierarchies nested `levels` deep.
 fn tower(levels: usize) -> String {
     let level = |level: usize| {
         let (indent, below) = (" ".repeat(level), level + 1);
@@ -68,7 +68,7 @@ fn tower(levels: usize) -> String {
     format!("{floors}{indent}execution S{levels}\n{indent} outcome done\n")
 }
 
-/// Runs a machine whose scripts count to [`STATES`]; gives back everything that happened.
+/// Runs a machine whose scripts count to [`STATES`] and returns all events.
 fn run(program: &Arc<Program<Value>>) -> Vec<Event<Value>> {
     let mut engine = Engine::new(Arc::clone(program));
     let mut out = Outbox::default();

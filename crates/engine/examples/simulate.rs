@@ -1,9 +1,10 @@
 //! Runs random machines in random orders: `cargo run -p rafcon-engine --example simulate -- --seeds 10000 [--from 0]`.
-//! With `--first-world`, only what could happen in the first version of the simulation, as seeds that failed then want it.
+//! With `--first-world`, a run has only the features of the first version of the simulation, so that old seeds fail as
+//! before.
 //!
-//! Each seed runs twice and must say the same, byte for byte. Prints the first broken promise with its seed, its machine and
-//! what happened last, and ends with 1; prints what was exercised and ends with 0 otherwise, or with 1 if some of it
-//! hardly was.
+//! Each seed runs twice, and both runs must produce identical output, byte for byte. A failure prints the first broken
+//! promise with its seed, its machine and the last events, and exits with 1. Otherwise the program prints what was
+//! exercised and exits with 0, or with 1 if a feature was hardly exercised.
 
 use rafcon_testkit::simulation::{self, Counts, Report, Width};
 use std::process::ExitCode;
@@ -42,7 +43,7 @@ fn simulate(seed: u64, width: Width) -> Result<Report, String> {
     run.unwrap_or_else(|_panic| Err(format!("seed {seed}: it panicked")))
 }
 
-/// The first seed, how many, and in which world.
+/// Parsed arguments: the first seed, the number of seeds and the width of the simulation.
 struct Arguments {
     from: u64,
     count: u64,

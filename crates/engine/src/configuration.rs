@@ -1,67 +1,67 @@
-//! What is active in a run at one moment, with all its data, by names that outlive the run: what a run is resumed from after a
-//! crash, or started again from at an entry of its history.
+//! The active states of a run at one moment, with all their data, under names that outlive the run. A run is resumed
+//! from it after a crash, or started again from an entry of its history.
 
 use rafcon_model::{OutcomeId, PortId, StateId};
 
-/// One active state and what is in it. Orders are numbers that rise with time: of two values for one target, the one with
-/// the higher order is the newer.
+/// One active state and everything in it. Orders are numbers that rise with time: of two values for one target, the one
+/// with the higher order is newer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveStateData<D> {
-    /// Which child of the state around it; the root's own id at the top.
+    /// Id of the state among the children of its parent; the root's own id at the top.
     pub state: StateId,
-    /// Its inputs. Ports that are missing here get their defaults.
+    /// Input values. Ports that are missing here get their defaults.
     pub inputs: Vec<(PortId, D)>,
-    /// When it was entered.
+    /// Order of the entry.
     pub order: u64,
-    /// The error that it was given, if it has not handed it on.
+    /// The error that the state received, unless it has passed it on.
     pub error: Option<D>,
-    /// Whether it was asked to end. `None` if that is not recorded: then it follows from the orders of entries, of the end
-    /// that decided a race, and of the request to stop.
+    /// True if the state was asked to end. `None` if that is not recorded: it then follows from the orders of entries,
+    /// of the end that decided a race, and of the request to stop.
     pub preempted: Option<bool>,
     /// The scoped variables of a container.
     pub scoped: Vec<ScopedValue<D>>,
-    /// How children of a container ended, by rising order. Of several ends of one child the last counts; earlier ones are
-    /// there only for outputs that later ones left out.
+    /// Ends of the children of a container, by rising order. If a child ended several times, its last end counts;
+    /// earlier ones only supply outputs that later ones left out.
     pub ended: Vec<ChildEnd<D>>,
-    /// The child of a container that ended last: it says what is next, unless a child is active.
+    /// The child of a container that ended last. It determines the next step, unless a child is active.
     pub last: Option<StateId>,
-    /// The children that are active.
+    /// Children that are active.
     pub children: Vec<Self>,
 }
 
-/// A scoped variable.
+/// Value of a scoped variable of a container.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScopedValue<D> {
-    /// Which.
+    /// Id of the scoped variable.
     pub port: PortId,
-    /// Its value.
+    /// The variable's last value.
     pub value: D,
-    /// When it got it.
+    /// Order of the assignment.
     pub order: u64,
 }
 
-/// How a child ended.
+/// One end of a child of a container.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChildEnd<D> {
-    /// The child.
+    /// Id of the child.
     pub state: StateId,
-    /// Its outcome.
+    /// Outcome by which it ended.
     pub outcome: OutcomeId,
-    /// Its outputs, without those that its script left out.
+    /// Output values, without those that the script left out.
     pub outputs: Vec<(PortId, D)>,
-    /// Its error, if it left one.
+    /// Error with which the child ended, if any.
     pub error: Option<D>,
-    /// When it ended.
+    /// Order of the end.
     pub order: u64,
 }
 
-/// What becomes of the scripts that were running.
+/// Policy for scripts that a crash interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interrupted {
-    /// They wait ([`crate::WaitReason::Interrupted`]) until [`crate::Input::Recover`] or a forced outcome decides.
+    /// Scripts wait ([`crate::WaitReason::Interrupted`]) until [`crate::Input::Recover`] or a forced outcome decides.
     Wait,
-    /// They end with *aborted*, and this run's crash as error.
+    /// Scripts end with *aborted*, and with the crash of the run as error.
     Abort,
-    /// They run again, with the inputs that they had.
+    /// Scripts run again with their earlier inputs.
     Again,
 }

@@ -1,4 +1,4 @@
-//! What the engine wants done.
+//! Effects: the work that the engine requests.
 
 use crate::{BranchId, Event, FrameId, NodeId, PathId};
 use rafcon_model::{OutcomeId, StateId};
@@ -8,23 +8,23 @@ use std::sync::Arc;
 /// Work for the driver of the engine, to be done in order.
 #[derive(Debug, Clone)]
 pub enum Effect<D> {
-    /// A branch begins; its first job follows. Branch 0 is there from the start and ends with [`Effect::Finish`].
+    /// A branch begins; its first job follows. Branch 0 exists from the start and ends with [`Effect::Finish`].
     Fork {
-        /// The new branch. Its number may be that of a branch that ended in an earlier answer.
+        /// The new branch. Its number may be that of a branch that ended in an earlier call.
         branch: BranchId,
     },
-    /// Run a script on its branch and answer with [`crate::Input::Finished`].
+    /// Run a script on its branch and reply with [`crate::Input::Finished`].
     Run(Job<D>),
-    /// Evaluate a condition on its branch and answer with [`crate::Input::Checked`].
+    /// Evaluate a condition on its branch and reply with [`crate::Input::Checked`].
     Check(Check<D>),
-    /// The active state at this place (and the script that it runs) is asked to end. Each active state is named once,
-    /// parents before children; states that begin later are not meant.
+    /// Ask the active state at this place, and the script that it runs, to end. Each active state is named once,
+    /// parents before children. States that begin later are not affected.
     Preempt(PathId),
-    /// All states see `paused` (true) or unpaused (false).
+    /// Set the `paused` flag that all states see.
     Paused(bool),
-    /// A branch has nothing more to do.
+    /// A branch has no more work.
     EndBranch {
-        /// The branch.
+        /// The branch that ends.
         branch: BranchId,
     },
     /// The run is over.
@@ -34,93 +34,93 @@ pub enum Effect<D> {
 /// One script to run.
 #[derive(Debug, Clone)]
 pub struct Job<D> {
-    /// To be named in the answer.
+    /// Frame of the script, to be returned in [`crate::Input::Finished`].
     pub frame: FrameId,
-    /// The line of execution that runs it.
+    /// The branch that runs the script.
     pub branch: BranchId,
-    /// Where the state stands.
+    /// Place of the state.
     pub path: PathId,
-    /// Which state it is.
+    /// The state whose script runs.
     pub node: NodeId,
     /// One value for each input port of the node, in its order.
     pub inputs: Arc<[D]>,
     /// The default of each output port of the node, in its order.
     pub outputs: Arc<[D]>,
-    /// The error of the state before, for the entry `error` of the inputs.
+    /// The error of the previous state, for the entry `error` of the inputs.
     pub error: Option<D>,
-    /// Whether the state was asked to end before its script began.
+    /// True if the state was asked to end before its script began.
     pub preempted: bool,
-    /// For a decider: how the branches of its barrier ended.
+    /// The ends of the barrier's branches, if the state is a decider.
     pub verdicts: Option<Arc<Verdicts<D>>>,
-    /// Whether `backward_execute` is to run instead of `execute`; its outcome and outputs do not count. A script without
-    /// one is finished at once.
+    /// True to run `backward_execute` instead of `execute`; its outcome and outputs are ignored. A script without one
+    /// finishes at once.
     pub backward: bool,
 }
 
 /// A condition to evaluate.
 #[derive(Debug, Clone)]
 pub struct Check<D> {
-    /// To be named in the answer.
+    /// Number of the check, to be returned in [`crate::Input::Checked`].
     pub check: u64,
-    /// The line of execution that came to it.
+    /// The branch that reached the breakpoint.
     pub branch: BranchId,
-    /// The state of the breakpoint.
+    /// Place of the breakpoint's state.
     pub path: PathId,
-    /// Which state it is.
+    /// The state that has the breakpoint.
     pub node: NodeId,
-    /// The text.
+    /// Source text of the condition.
     pub condition: SmolStr,
-    /// One value for each input port of the node: those that it would get, or got.
+    /// One value for each input port of the node: the inputs that the state would get, or got.
     pub inputs: Arc<[D]>,
-    /// After exit: one value for each output port, and the outcome.
+    /// After the exit: one value for each output port, and the outcome.
     pub left: Option<(Arc<[D]>, OutcomeId)>,
     /// The scoped variables of the container around the state, by name.
     pub scoped_variables: Vec<(SmolStr, D)>,
 }
 
-/// How the branches of a barrier ended, in the order of the children.
+/// The ends of a barrier's branches, in the order of the children.
 #[derive(Debug, Clone)]
 pub struct Verdicts<D> {
-    /// One for each child that ended.
+    /// One entry for each child that ended.
     pub children: Vec<Verdict<D>>,
 }
 
-/// How one branch of a barrier ended.
+/// The end of one branch of a barrier.
 #[derive(Debug, Clone)]
 pub struct Verdict<D> {
-    /// The child.
+    /// Id of the child.
     pub state: StateId,
-    /// Its name.
+    /// Name of the child.
     pub name: SmolStr,
-    /// Its outcome.
+    /// Id of the child's outcome.
     pub outcome: OutcomeId,
-    /// The name of its outcome.
+    /// Name of the child's outcome.
     pub outcome_name: SmolStr,
-    /// Its error, if it left one.
+    /// Error with which the child ended, if any.
     pub error: Option<D>,
 }
 
-/// How a run ended.
+/// The result of a run.
 #[derive(Debug, Clone)]
 pub struct Finish<D> {
     /// Id of the root's outcome.
     pub outcome: OutcomeId,
     /// Name of the root's outcome.
     pub outcome_name: SmolStr,
-    /// The root's outputs by name, with `error` if there is one.
+    /// The root's outputs by name, with `error` if the root ended with one.
     pub outputs: Vec<(SmolStr, D)>,
     /// The root's scoped variables at the end, by name.
     pub scoped_variables: Vec<(SmolStr, D)>,
-    /// How many states were run; library states themselves are not counted, the roots of their content are.
+    /// Number of states that ran. Library states are not counted; the roots of their content are.
     pub states_run: u64,
 }
 
-/// Where the engine puts its answers. Kept between calls, so that steady work allocates nothing.
+/// Receives the results of [`crate::Engine::handle`]. Reused between calls, so that steady work allocates nothing.
 #[derive(Debug, Clone)]
 pub struct Outbox<D> {
-    /// What to do, in order.
+    /// Effects for the driver, in order.
     pub effects: Vec<Effect<D>>,
-    /// What happened, in order.
+    /// Events of the run, in order.
     pub events: Vec<Event<D>>,
 }
 

@@ -1,19 +1,19 @@
-//! The run of one program: takes inputs, keeps the active configuration, gives effects and events.
+//! One run of a program: accepts inputs, keeps the active configuration, returns effects and events.
 
-/// Backwards: the undo log is followed step by step.
+/// Steps back: the undo log is followed step by step.
 mod backward {
     pub(super) mod reverse;
     pub(super) mod reverse_enter;
     pub(super) mod reverse_leave;
 }
-/// The program changes while it runs.
+/// Changes of the program during a run.
 mod changes {
     pub(super) mod change;
     pub(super) mod fitting;
     pub(super) mod migrate;
     pub(super) mod undo_log_change;
 }
-/// What commands do: hold, resume, breakpoints, forced outcomes.
+/// Commands: hold, resume, breakpoints, forced outcomes.
 mod commands {
     pub(super) mod checks;
     pub(super) mod control;
@@ -22,7 +22,7 @@ mod commands {
     pub(super) mod silence;
     pub(super) mod suspend;
 }
-/// A run as others see it: exported, inspected, restored after a crash, and what must always be true of it.
+/// Export, inspection, restore after a crash, and the invariants of a run.
 mod life {
     pub(super) mod begun;
     pub(super) mod export;
@@ -31,7 +31,7 @@ mod life {
     pub(super) mod recover;
     pub(super) mod restore;
 }
-/// What a run is at a moment: active states, suspended branches, and the undo log of the way here.
+/// The state of a run: active states, suspended branches and the undo log.
 mod state {
     pub(super) mod branches;
     pub(super) mod breakpoints;
@@ -44,7 +44,7 @@ mod state {
     pub(super) mod suspended;
     pub(super) mod undo_log;
 }
-/// Forwards: states are entered and left, data passes on, branches begin and end.
+/// Steps forward: states are entered and left, data is passed on, branches begin and end.
 mod stepping {
     pub(super) mod concurrency;
     pub(super) mod data;
@@ -81,41 +81,41 @@ pub struct Engine<D> {
     run: Run<D>,
 }
 
-/// What changes during a run.
+/// The mutable state of a run.
 #[derive(Debug)]
 struct Run<D> {
     status: Status,
     frames: Frames<D>,
     places: Places,
-    /// What is left to do before `handle` returns. Empty between two calls.
+    /// Work to do before `handle` returns. Empty between two calls.
     work: Vec<Work<D>>,
-    /// The frame of the root, while it is active.
+    /// The frame of the root while it is active.
     root: Option<u32>,
     /// The child to begin at, for each container on the start path.
     start_from: Vec<u32>,
-    /// Inputs of the root, until it begins.
+    /// Inputs of the root until it begins.
     inputs: Vec<(SmolStr, D)>,
-    /// Values for states on the start path, until they begin.
+    /// Values for states on the start path, until those begin.
     given: Vec<Given<D>>,
-    /// The end of the run, while that is held.
+    /// The end of the run while it is held.
     finish: Option<Box<Finish<D>>>,
     control: Control<D>,
     sequence: u64,
     branches: Branches,
     /// Stopped twice: no further handlers begin.
     stopped_twice: bool,
-    /// How many inputs were taken.
+    /// Number of inputs accepted.
     turn: u64,
-    /// States entered, without library states.
+    /// Number of states entered, without library states.
     entered: u64,
-    /// What scripts that a crash interrupted end with, if they are aborted.
+    /// Error of interrupted scripts that are aborted.
     crash: Option<D>,
-    /// All states entered, backwards too.
+    /// Number of all entries, including backward ones.
     entries: u64,
-    /// How many steps back are kept at most; and how many are, the count of which lags behind.
+    /// Limit of the steps kept for stepping back, and the number kept, which is updated late.
     steps_max: usize,
     steps_kept: usize,
-    /// A changed program that waits until nothing stands in its way.
+    /// A changed program that waits until no active state prevents it.
     change: Option<Arc<Program<D>>>,
 }
 
@@ -147,7 +147,8 @@ impl<D: Datum> Engine<D> {
         Self { program, run }
     }
 
-    /// Takes one input and adds what follows from it to `out`, in order. A refused input changes nothing and adds nothing.
+    /// Accepts one input and appends its effects and events to `out`, in order. A refused input changes and appends
+    /// nothing.
     pub fn handle(
         &mut self,
         input: Input<D>,
@@ -180,34 +181,34 @@ impl<D: Datum> Engine<D> {
         &self.program
     }
 
-    /// Where the run stands.
+    /// The current status of the run.
     pub fn status(&self) -> Status {
         self.run.status()
     }
 
-    /// The breakpoints by rising id, and how often each was passed.
+    /// The breakpoints by rising id, each with its number of hits.
     pub fn breakpoints(&self) -> impl Iterator<Item = (&Breakpoint, u32)> {
         self.run.control.breakpoints.iter()
     }
 
-    /// For how long nobody on the ground was heard, as the last input says.
+    /// The duration of the ground's silence, from the last input.
     pub fn silence(&self) -> Silence {
         self.run.control.silence
     }
 
-    /// What was counted so far: a run that is resumed later continues counting from there.
+    /// The current counts. A resumed run continues them.
     pub fn counted(&self) -> Counted {
         Counted { states_run: self.run.entered, entries: self.run.entries }
     }
 
-    /// How the run was asked to stop, if it was and is not over. Each state of [`Self::configuration`] says by itself
-    /// whether it was asked to end, so the order does not matter.
+    /// The request to stop, while the run is stopping. Each state of [`Self::configuration`] records whether it
+    /// was asked to end, so the order here does not matter.
     pub fn stopping(&self) -> Option<Stopping> {
         let twice = self.run.stopped_twice;
         (self.run.status == Status::Stopping).then_some(Stopping { order: 0, twice })
     }
 
-    /// How many states were entered; library states themselves are not counted, the roots of their content are.
+    /// Number of states entered. Library states are not counted; the roots of their content are.
     pub fn states_run(&self) -> u64 {
         self.run.entered
     }
@@ -227,7 +228,7 @@ impl<D: Datum> Engine<D> {
         self.run.places.node(path)
     }
 
-    /// The place of the child with this index; `None` if there is none, or the state at `path` was never entered.
+    /// The place of the child with this index; `None` if it does not exist, or the state at `path` was never entered.
     pub fn path_child(&self, path: PathId, index: usize) -> Option<PathId> {
         self.run.places.child(path, index, &self.program)
     }

@@ -1,5 +1,5 @@
-//! One step back: what can go, and what a hierarchy does. Each branch steps back to its own start; how states are entered and
-//! left backwards stands in `reverse_enter.rs` and `reverse_leave.rs`.
+//! One step back: which frames can step back, and what a hierarchy does. Each branch steps back to its own start.
+//! `reverse_enter.rs` and `reverse_leave.rs` enter and leave states backwards.
 
 use crate::engine::Refusal;
 use crate::engine::state::frames::{Children, ChildrenSideBySide, Frame, NONE};
@@ -11,7 +11,7 @@ use crate::{Datum, FrameId, PathId, When};
 use rafcon_model::StatePath;
 use std::sync::Arc;
 
-/// Why something cannot go back; of two reasons the later counts.
+/// Reason why a frame cannot step back. Of two reasons, the later variant takes precedence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Reason {
     AtStart,
@@ -19,7 +19,7 @@ enum Reason {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// One step back of all that stands still, or of one branch.
+    /// Steps back everything that is held or waits, or one branch.
     pub(in crate::engine) fn back(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
         if !self.view().keeps_undo_log() {
             return Err(Refusal::NoHistory);
@@ -42,7 +42,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    /// Does what was planned, if the frame is still there.
+    /// Performs a planned step back, if the frame still exists.
     pub(in crate::engine) fn go_back(&mut self, back: Back) {
         let (Back::Last(id) | Back::Branches(id, _) | Back::Leave(id)) = back;
         let Some(slot) = self.run.frames.find(id) else { return };
@@ -91,7 +91,7 @@ impl<D: Datum> View<'_, '_, D> {
         }
     }
 
-    /// What a frame does in a step back, if it does anything.
+    /// The step back of a frame, if it has one.
     fn can_go_back(
         &self,
         slot: u32,
@@ -125,7 +125,8 @@ impl<D: Datum> View<'_, '_, D> {
         }
     }
 
-    /// Whether a frame can undo its last child: `lost` says whether its data is lost; without a last child the frame is left.
+    /// The step back of a frame, given whether the data of its last child is `lost`. `None`: the frame has no last
+    /// child and is left.
     fn last_goes_back(
         &self,
         slot: u32,
@@ -174,7 +175,7 @@ impl<D: Datum> View<'_, '_, D> {
         Ok(Some(Back::Branches(self.run.frames.id(slot), children)))
     }
 
-    /// A concurrency state whose children are all at their start is left.
+    /// Leaves a concurrency state whose children are all at their start.
     fn start_goes_back(
         &self,
         slot: u32,
@@ -191,14 +192,14 @@ impl<D: Datum> View<'_, '_, D> {
         Ok(Some(Back::Leave(self.run.frames.id(slot))))
     }
 
-    /// Whether the child at this place is held before it begins.
+    /// True if the child at this place is held before it begins.
     fn begins_held(&self, slot: u32, top: PathId) -> bool {
         let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
         let mut spots = holds.map(|hold| hold.spot).filter(|spot| spot.parent == slot);
         spots.any(|spot| spot.when == When::Before && self.is_child_within(slot, spot.child, top))
     }
 
-    /// Whether a branch that is named by `top` begins in this frame, or is around it.
+    /// True if the branch named by `top` begins in this frame, or contains it.
     fn is_around(&self, slot: u32, top: PathId) -> bool {
         let path = self.run.frames.get(slot).path;
         self.run.places.parent(top) == Some(path) || self.run.is_below(path, top)
@@ -210,26 +211,26 @@ impl<D: Datum> View<'_, '_, D> {
         child.is_some_and(|child| self.run.is_below(child, top))
     }
 
-    /// Whether no child of a concurrency state is active or has ended.
+    /// True if no child of a concurrency state is active or has ended.
     pub(in crate::engine) fn all_at_start(&self, slot: u32) -> bool {
         let branches = self.run.frames.get(slot).children.side_by_side();
         branches.is_some_and(ChildrenSideBySide::are_at_start)
     }
 
-    /// Whether a state is the root, or the root of a library that is.
+    /// True for the root of the machine, and for the root of a library state that is outermost.
     pub(in crate::engine) fn is_outermost(&self, slot: u32) -> bool {
         let parent = self.run.frames.get(slot).parent;
         let in_library = || matches!(self.body(parent), Body::Library(_));
         parent == NONE || in_library() && self.is_outermost(parent)
     }
 
-    /// The defaults of a state's outputs, as they were when it began.
+    /// The defaults of a state's outputs, as at its entry.
     pub(in crate::engine) fn outputs_anew(&self, slot: u32) -> Arc<[D]> {
         let frame = self.run.frames.get(slot);
         self.output_defaults(frame.parent, self.program.node(frame.node))
     }
 
-    /// The defaults of the outputs of a state in this frame; those of a library's root are its library state's.
+    /// Output defaults of a state in this frame. The root of a library uses those of its library state.
     pub(in crate::engine) fn output_defaults(&self, parent: u32, node: &Node<D>) -> Arc<[D]> {
         if parent != NONE
             && let Body::Library(content) = self.body(parent)
@@ -241,7 +242,7 @@ impl<D: Datum> View<'_, '_, D> {
 }
 
 impl<D> Frame<D> {
-    /// Forgets how it was held.
+    /// Clears the marks of a hold.
     pub(in crate::engine) fn stand_ready(&mut self) {
         self.phase = Phase::Child;
         self.marker = None;
@@ -251,14 +252,14 @@ impl<D> Frame<D> {
 }
 
 impl<D: Datum> crate::engine::Engine<D> {
-    /// Keeps no more than so many steps to go back; none, with 0. Before the run starts.
+    /// Limits the steps that can be undone to `steps_max`; 0 keeps none. Call it before the run starts.
     #[must_use]
     pub fn with_undo_log(mut self, steps_max: usize) -> Self {
         self.run.steps_max = steps_max;
         self
     }
 
-    /// Keeps nothing to step back.
+    /// Disables the undo log, so that no step back is possible.
     #[must_use]
     pub fn without_undo_log(self) -> Self {
         self.with_undo_log(0)

@@ -1,4 +1,4 @@
-//! Entering states backwards: with the data that they had at their end, or to run the script that undoes them.
+//! Enters states backwards: with the data of their end, or to run the script that undoes them.
 
 use crate::engine::state::frames::{Children, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
@@ -12,7 +12,7 @@ use std::num::NonZeroU64;
 use std::sync::Arc;
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// Enters a child backwards that ended.
+    /// Enters an ended child backwards.
     pub(in crate::engine) fn enter_back(
         &mut self,
         (parent, child): (u32, u32),
@@ -36,7 +36,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// What a script gets that runs backward: computed anew from the data as it is.
+    /// The inputs of a script that runs backward, computed again from the current data.
     fn inputs_now(&mut self, parent: u32, child: u32, id: NodeId) -> Arc<[D]> {
         let (node, path) = (self.program.node(id), self.child_path(parent, child));
         if let Body::Library(content) = self.view().body(parent) {
@@ -101,7 +101,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }));
     }
 
-    /// A container stands as it did after its last child.
+    /// Restores a container to its state after its last child.
     fn restore_inner(&mut self, slot: u32, inner: EndedContainerData<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Child;
@@ -131,7 +131,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// All branches of a concurrency state that is entered backwards; those that never began stand at their start.
+    /// Enters all branches of a concurrency state backwards. Branches that never began are held at their start.
     fn all_back(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.phase = Phase::Branches;
@@ -150,7 +150,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.branches_back(slot, &ran);
     }
 
-    /// Enters these branches backwards, which have ended. What they gave is taken back; the decider is passed over.
+    /// Enters these ended branches backwards, removes their outputs and skips the decider.
     pub(in crate::engine) fn branches_back(&mut self, slot: u32, children: &[u32]) {
         let Body::Concurrency(kind, inside) = self.view().body(slot) else { return };
         let frame = self.run.frames.get_mut(slot);
@@ -181,7 +181,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Takes back the end of a child; gives what the child left behind.
+    /// Reverts the end of a child and returns what the child left behind.
     fn take_end(&mut self, slot: u32, child: u32) -> Option<EndedRun<D>> {
         let branches = self.run.frames.get_mut(slot).children.side_by_side_mut()?;
         branches.order.retain(|&other| other != child);
@@ -190,7 +190,7 @@ impl<'s, D: Datum> Step<'s, D> {
         child.run.take()
     }
 
-    /// Takes away what holds these children after their ends, and what holds the decider.
+    /// Removes the holds after these children's ends, and those of the decider.
     fn take_holds_after(
         &mut self,
         slot: u32,
@@ -206,7 +206,7 @@ impl<'s, D: Datum> Step<'s, D> {
         holds.extract_if(.., ends).collect()
     }
 
-    /// A branch that had ended counts as open again.
+    /// Counts an ended branch as open again, on a new branch.
     fn open_again(&mut self, slot: u32) -> BranchId {
         if let Some(children) = self.run.frames.get_mut(slot).children.side_by_side_mut() {
             children.open += 1;
@@ -220,7 +220,7 @@ impl<'s, D: Datum> Step<'s, D> {
         branch
     }
 
-    /// The data of a concurrency state with what its ended branches gave, and nothing else.
+    /// Resets the data of a concurrency state to its base values plus the outputs of its ended branches.
     fn rebase(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
         let Some(children) = frame.children.side_by_side() else { return };
@@ -238,7 +238,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.say_variables(slot, inside);
     }
 
-    /// Says what the scoped variables of a container are.
+    /// Reports the values of a container's scoped variables.
     fn say_variables(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
         let first = self.program.node(frame.node).inputs.len();
@@ -249,7 +249,8 @@ impl<'s, D: Datum> Step<'s, D> {
         }));
     }
 
-    /// A hierarchy that was entered backwards, or a child of which was undone, is held, unless it is at its start.
+    /// Holds a hierarchy that was entered backwards or whose child was undone. A hierarchy at its start is left
+    /// instead, unless it is the outermost.
     pub(in crate::engine) fn stand_back(&mut self, slot: u32) {
         let frame = self.run.frames.get(slot);
         let branch = frame.branch;
@@ -274,7 +275,8 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// The outcome of a state that is left backwards: the one that is undone; *preempted*, if it had none.
+    /// The number of the undone entry and the outcome of a state that is left backwards: the undone outcome, or
+    /// *preempted* if it had none.
     pub(in crate::engine) fn undone(&self, slot: u32) -> (u64, u32) {
         let frame = self.run.frames.get(slot);
         frame.undoes.unwrap_or((frame.entry, PREEMPTED))

@@ -1,4 +1,4 @@
-//! Leaving states backwards: the data around them is what it was before they began.
+//! Leaves states backwards and restores the data around them from before they began.
 
 use crate::engine::Status;
 use crate::engine::state::frames::NONE;
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::num::NonZeroU64;
 
 impl<D: Datum> Step<'_, D> {
-    /// Leaves a state backwards that is at its start. The outermost state stays active and is held there.
+    /// Leaves a state at its start backwards. The outermost state stays active and is held there.
     pub(in crate::engine) fn leave_back(&mut self, slot: u32) {
         let is_script = matches!(self.view().body(slot), Body::Script);
         if !is_script && self.view().is_outermost(slot) {
@@ -46,7 +46,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Branches are held by themselves; where there are none, the state is.
+    /// Holds or waits at the start of a state that has no open branches. Open branches have holds of their own.
     fn stand_without_branches(&mut self, slot: u32, kind: Concurrency) {
         let frame = self.run.frames.get(slot);
         match kind {
@@ -59,7 +59,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Holds a branch where a step back has brought it. One that was resumed meanwhile goes past that spot.
+    /// Holds a branch where a step back has brought it. A branch that was resumed meanwhile passes this stop point.
     pub(in crate::engine) fn hold_back(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
         self.hold(spot, branch, by);
         if !self.run.branches.steps(branch) {
@@ -67,7 +67,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Whatever is held in a state that is left, its branches end.
+    /// Ends the branches that are held in a state that is left.
     fn end_held_branches(&mut self, slot: u32) {
         for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
             if self.view().is_branch(spot) {
@@ -77,7 +77,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// It gives nothing.
+    /// Reports that a state was left backwards, without outputs.
     fn say_left_back(&mut self, slot: u32) {
         let (entry, outcome) = self.view().undone(slot);
         let frame = self.run.frames.get(slot);
@@ -95,7 +95,7 @@ impl<D: Datum> Step<'_, D> {
         });
     }
 
-    /// A child of a hierarchy was undone: its data is what it was before, and it is held there.
+    /// Restores the data of a hierarchy from before the undone child, and holds it there.
     pub(in crate::engine) fn child_undone(&mut self, slot: u32) {
         let frame = self.run.frames.get_mut(slot);
         if let Some(children) = frame.children.in_turn_mut() {
@@ -145,7 +145,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// A branch is at its start. When all are, the concurrency state is left.
+    /// Holds an undone branch at its start. The concurrency state is left when all branches are at their start.
     fn branch_undone(&mut self, slot: u32, child: u32, branch: BranchId) {
         if self.view().goes_on(slot) {
             return self.branch_never_begins(slot, branch);
@@ -158,7 +158,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// What was asked to end meanwhile ends.
+    /// True if the frame was asked to end meanwhile, or the run is stopping.
     fn goes_on(&self, slot: u32) -> bool {
         self.run.frames.get(slot).preempted || self.run.status == Status::Stopping
     }

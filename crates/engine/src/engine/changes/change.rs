@@ -1,4 +1,4 @@
-//! A machine that changes while it runs: whether a change touches what is active, and when it is taken.
+//! Changes of the machine during a run: which changes affect active states, and when a change is applied.
 
 use crate::engine::state::step::Work;
 use crate::engine::{ChangeEffect, Command, Engine, Refusal, Status};
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl<D: Datum> Engine<D> {
-    /// Goes by another program from now on, or refuses it, or keeps it until nothing stands in its way.
+    /// Switches to another program, refuses it, or keeps it until no active state prevents it.
     pub(in crate::engine) fn change(
         &mut self,
         change: Change<D>,
@@ -34,8 +34,8 @@ impl<D: Datum> Engine<D> {
         Ok(())
     }
 
-    /// Does all that is left to do. A change that waits is taken as soon as nothing stands in its way, also between a state
-    /// that was left and the next.
+    /// Does all remaining work. A waiting change is applied as soon as no active state prevents it, also between the
+    /// end of a state and the next one.
     pub(in crate::engine) fn work(&mut self, globals: &dyn Globals<D>, out: &mut Outbox<D>) {
         while self.run.change.is_some() {
             let is_gap = self.run.work.iter().all(|work| matches!(work, Work::Advance(_)));
@@ -71,9 +71,9 @@ impl<D: Datum> Engine<D> {
         self.step(globals, out).migrate(&before);
     }
 
-    /// The state that a change would pull the ground from under, if there is one.
+    /// Returns an error that names the first active state that a change would affect.
     fn touched(&self, after: &Program<D>) -> Result<(), (PathId, ChangeEffect)> {
-        // Also while the root is held before its beginning or after its end.
+        // Applies also while the root is held before its beginning or after its end.
         let (was, is) = (self.program.node(Program::<D>::ROOT), after.node(Program::<D>::ROOT));
         if self.run.status != Status::Idle && was.id() != is.id() {
             return Err((PathId(0), ChangeEffect::Removed));
@@ -98,7 +98,8 @@ impl<D: Datum> Engine<D> {
         Ok(())
     }
 
-    /// The children of an active concurrency state must be the same, and those that ended must be able to.
+    /// The children of an active concurrency state must keep their ids. Ended children must keep their outcomes and
+    /// outputs.
     fn branches_stay(
         &self,
         slot: u32,
@@ -121,7 +122,7 @@ impl<D: Datum> Engine<D> {
         if same && ends.all(|end| end) { Ok(()) } else { Err(ChangeEffect::Branches) }
     }
 
-    /// The child whose transition a hierarchy is about to follow must be there, with the outcome by which it ended.
+    /// The child whose transition a hierarchy is about to follow must still exist, with the outcome by which it ended.
     fn last_stays(
         &self,
         slot: u32,
@@ -144,7 +145,7 @@ impl<D: Datum> Engine<D> {
     }
 }
 
-/// What is different about a state that makes it another one for its run.
+/// The difference, if any, that prevents an active state from taking the place of another.
 fn touch<D>(was: &Node<D>, is: &Node<D>) -> Option<ChangeEffect> {
     if was.state().kind.name() != is.state().kind.name() {
         return Some(ChangeEffect::Kind);

@@ -1,4 +1,4 @@
-//! Whether what is to be restored exists in the program: looked at as a whole before anything changes.
+//! Checks that a restored configuration exists in the program, completely and before anything changes.
 
 use crate::engine::Refusal;
 use crate::program::{Body, Concurrency, Node};
@@ -6,14 +6,14 @@ use crate::{ActiveStateData, NodeId, Program};
 use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
 
-/// A state to look at, and where it stands.
+/// A state to check, with its node and the index of its parent.
 struct FittedState<'r, D> {
     restored: &'r ActiveStateData<D>,
     node: NodeId,
     around: Option<usize>,
 }
 
-/// Every active state, its inputs, and what decides its next step must exist.
+/// Every active state, its inputs and the child that decides its next step must exist.
 pub(in crate::engine) fn fits<D>(
     program: &Program<D>,
     root: &ActiveStateData<D>,
@@ -53,7 +53,7 @@ fn refusal<D>(entries: &[FittedState<'_, D>], entry: usize, problem: SmolStr) ->
     Refusal::CannotRestore { path: StatePath(ids), problem }
 }
 
-/// What is wrong with one state.
+/// Describes the problem of one state.
 fn problem<D>(
     program: &Program<D>,
     node: &Node<D>,
@@ -81,7 +81,7 @@ fn problem<D>(
     }
 }
 
-/// The child whose transition is next must be known, with its outcome.
+/// The child whose transition is next must exist, with its outcome.
 fn last<D>(program: &Program<D>, node: &Node<D>, restored: &ActiveStateData<D>) -> Option<SmolStr> {
     let last = restored.last.as_ref()?;
     let Some(end) = restored.ended.iter().rfind(|end| end.state == *last) else {

@@ -1,4 +1,4 @@
-//! Carrying active states over to another program: what was an index becomes a name, and an index again.
+//! Moves active states to another program: indices are mapped to names, and back to the new indices.
 
 use crate::engine::state::frames::{NONE, Slot};
 use crate::engine::state::phase::Phase;
@@ -9,7 +9,7 @@ use crate::{Datum, Event, NodeId, Program, When};
 use rafcon_model::{PortId, StateId};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Where a value in a container comes from.
+/// Source of a value in a container.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::engine) enum Source {
     Input(PortId),
@@ -18,7 +18,7 @@ pub(in crate::engine) enum Source {
 }
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// What ran by `before` runs by the program of this step.
+    /// Moves the run from the program `before` to the program of this step.
     pub(in crate::engine) fn migrate(&mut self, before: &Program<D>) {
         self.migrate_start(before);
         self.run.places.change(self.program);
@@ -38,7 +38,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The way to the state to start from, as far as it is still there.
+    /// Keeps the part of the start path that still exists.
     fn migrate_start(&mut self, before: &Program<D>) {
         let mut at = (before.node(Program::<D>::ROOT), self.program.node(Program::<D>::ROOT));
         let mut steps = Vec::new();
@@ -53,9 +53,9 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.start_from = steps;
     }
 
-    /// The children before or after which something is held, by their names. Frames have not been carried over yet.
+    /// Maps the children before or after which branches are held to their new indices. Frames have not been moved yet.
     ///
-    /// A condition about a child that is gone needs no answer: its frame, which is given back, looks again what is next.
+    /// A condition about a removed child is dropped. Its frame is returned and selects its next step again.
     fn migrate_holds(&mut self, before: &Program<D>) -> Vec<u32> {
         let mut loose = Vec::new();
         for mut hold in std::mem::take(&mut self.run.control.holds) {
@@ -74,7 +74,7 @@ impl<'s, D: Datum> Step<'s, D> {
         loose
     }
 
-    /// What is held before another child than it was is held there, and says so.
+    /// Updates the next child of each hold, and reports the hold again if that child has changed.
     fn renew_holds(&mut self) {
         let mut holds = std::mem::take(&mut self.run.control.holds);
         for hold in &mut holds {
@@ -126,7 +126,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// What children of a barrier gave that have ended flows along new data flows, too.
+    /// Outputs of ended children of a barrier also follow new data flows.
     fn fill_new_outputs(&mut self, slot: u32, new: &Inside<D>, known: &BTreeSet<Source>) {
         let frame = self.run.frames.get(slot);
         let is = self.program.node(frame.node);
@@ -148,7 +148,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Defaults of the outputs of a container count when it ends.
+    /// Takes the new defaults of a container's outputs, which apply at its end.
     fn renew_outputs(&mut self, slot: u32) {
         if self.run.frames.get(slot).outputs.is_some() {
             let outputs = self.view().outputs_anew(slot);
@@ -168,12 +168,12 @@ impl<'s, D: Datum> Step<'s, D> {
         });
         frame.last = last;
         if last.is_none() {
-            // It has begun all the same.
+            // The container has begun nevertheless.
             frame.start_depth = None;
         }
     }
 
-    /// Values stay where their names do. Scoped variables that are new begin with their default.
+    /// Keeps values by name. New scoped variables begin with their default.
     fn migrate_slots(
         &mut self,
         slot: u32,
@@ -204,7 +204,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// The index that a child has now; none, if it is gone.
+    /// The index that a child has now; [`NONE`] if it was removed.
     fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
         let StopPoint { parent, child, .. } = spot;
         if parent == NONE {
@@ -218,7 +218,7 @@ impl<D: Datum> View<'_, '_, D> {
         found.map_or(NONE, |(index, _)| index)
     }
 
-    /// The node that stands where this one stood; the frame around it was carried over before.
+    /// The node that replaces this one. The frame around it was moved before.
     fn node_at(&self, parent: u32, was: &Node<D>) -> NodeId {
         if parent == NONE {
             return Program::<D>::ROOT;
@@ -227,7 +227,7 @@ impl<D: Datum> View<'_, '_, D> {
         self.program.child_of(around, was.id()).map_or(Program::<D>::ROOT, |found| found.1)
     }
 
-    /// Whether a container that waits can continue.
+    /// True if a waiting container can continue.
     fn finds_a_way(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
         if !matches!(frame.phase, Phase::Waiting(_)) {
@@ -246,7 +246,7 @@ impl<D: Datum> View<'_, '_, D> {
     }
 }
 
-/// What each slot of a container is for.
+/// The source of each slot of a container, in slot order.
 pub(in crate::engine) fn sources<D>(
     program: &Program<D>,
     node: &Node<D>,

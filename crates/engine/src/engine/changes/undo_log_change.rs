@@ -1,5 +1,5 @@
-//! What is left of the way back when the machine changes: steps across what is gone, or holds its data in another way, are
-//! given up, and all before them.
+//! Moves the undo log to a changed machine. Steps across removed states, or across states whose data has another
+//! layout, are dropped, and so are all older steps.
 
 use crate::engine::changes::migrate::{Source, sources};
 use crate::engine::state::frames::Children;
@@ -10,7 +10,7 @@ use crate::{Datum, NodeId, Program};
 use std::collections::BTreeMap;
 use std::collections::VecDeque;
 
-/// Two programs, and the state whose trail is carried over: before and after.
+/// The old and the new program, and the state whose undo log is moved, in both.
 struct ProgramPair<'p, D> {
     before: &'p Program<D>,
     after: &'p Program<D>,
@@ -19,7 +19,7 @@ struct ProgramPair<'p, D> {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// Carries over what children of a frame left behind. The frame stands for the new program already.
+    /// Moves what the children of a frame left behind. The frame already refers to the new program.
     pub(in crate::engine) fn migrate_undo_log(
         &mut self,
         slot: u32,
@@ -58,7 +58,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> ProgramPair<'_, D> {
-    /// The newest entries as far as everything in them is still there.
+    /// The newest entries, up to the first one that no longer exists in the new program.
     fn carried(&self, mut trail: UndoLog<D>, old: &Inside<D>, new: &Inside<D>) -> UndoLog<D> {
         let slots = self.slots(old, new);
         let mut carried = UndoLog::default();
@@ -84,7 +84,7 @@ impl<D: Datum> ProgramPair<'_, D> {
         carried
     }
 
-    /// For each slot the one that is for the same.
+    /// Maps each old slot to the new slot with an equal source.
     fn slots(&self, old: &Inside<D>, new: &Inside<D>) -> Vec<Option<u32>> {
         let now: BTreeMap<Source, u32> =
             sources(self.after, self.is, new).into_iter().zip(0..).collect();
@@ -112,7 +112,7 @@ impl<D: Datum> ProgramPair<'_, D> {
         Some(UndoEntry { child, run, last, ..entry })
     }
 
-    /// A child and the index of its outcome, as they are now.
+    /// The new index of a child and of its outcome.
     fn end(&self, child: u32, outcome: u32) -> Option<(u32, u32)> {
         let was = self.before.node(self.was.child(child as usize)?);
         let (index, is) = self.after.child_of(self.is, was.id())?;
@@ -120,7 +120,7 @@ impl<D: Datum> ProgramPair<'_, D> {
         Some((index, outcome))
     }
 
-    /// Whether a child holds its data in the same way as before, and so does all that is in it.
+    /// True if a child and everything in it have an unchanged data layout.
     fn stays(&self, child: u32) -> bool {
         let was = self.was.child(child as usize);
         let is = was.and_then(|was| {

@@ -1,4 +1,4 @@
-//! What the condition of a breakpoint is evaluated with: the data of a state that is about to be entered, or was left.
+//! The data for the condition of a breakpoint: that of a state about to be entered, or just left.
 
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{BreakpointScan, StopPoint};
@@ -36,7 +36,7 @@ impl<D: Datum> Step<'_, D> {
         }));
     }
 
-    /// The inputs that a state would get now. What there is to say about them is said when it gets them.
+    /// The inputs that a state would get now. Notes about them are dropped here, and are reported at its entry.
     fn inputs_to_come(&mut self, spot: StopPoint, path: PathId, id: NodeId) -> Arc<[D]> {
         let said = self.out.events.len();
         let node = self.program.node(id);

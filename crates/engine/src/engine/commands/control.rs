@@ -1,11 +1,11 @@
-//! Commands, and in which status each is legal.
+//! Commands, and the statuses in which each is legal.
 
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
 use crate::engine::{Command, Refusal, Status};
 use crate::{Datum, Effect, Event, Input, Stride, When};
 
-/// Whether a command is legal in a status. The same rows stand in `docs/semantics.md`.
+/// True if a command is legal in a status. `docs/semantics.md` has the table.
 fn is_legal(status: Status, command: Command) -> bool {
     match command {
         Command::Attended | Command::Silence => true,
@@ -28,7 +28,7 @@ fn is_legal(status: Status, command: Command) -> bool {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// Takes an input; what follows from it is left as work.
+    /// Accepts an input and queues the work that follows from it.
     pub(in crate::engine) fn take(&mut self, input: Input<D>) -> Result<(), Refusal> {
         if let Some(command) = command(&input) {
             self.view().legal(command)?;
@@ -42,7 +42,7 @@ impl<D: Datum> Step<'_, D> {
             Input::Step(Stride::Back, branch) => return self.back(branch.as_ref()),
             Input::Force(path, outcome) => return self.force(&path, outcome),
             Input::Preempt(path) => return self.preempt_at(&path),
-            // It changes the program, and so it is taken before there is a step.
+            // Handled in `Engine::handle`, because it replaces the program.
             Input::Change(_) => {}
             Input::Step(stride, branch) => return self.forward(stride, branch.as_ref()),
             Input::RunTo(path) => return self.run_to(path),
@@ -98,7 +98,7 @@ impl<D: Datum> View<'_, '_, D> {
     }
 }
 
-/// The command of an input; none, if it is an answer.
+/// The command of an input; `None` for results.
 fn command<D>(input: &Input<D>) -> Option<Command> {
     Some(match input {
         Input::Finished { .. } | Input::Checked { .. } => return None,

@@ -1,4 +1,4 @@
-//! Forced outcomes: for a state that waits or is held, or for the state before which a branch is held.
+//! Forced outcomes: for a state that waits or is held, or for a state before which a branch is held.
 
 use crate::engine::Refusal;
 use crate::engine::state::frames::Ended;
@@ -32,7 +32,7 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// Ends a state that stands still.
+    /// Ends a held or waiting state.
     fn force_end(
         &mut self,
         (slot, path): (u32, PathId),
@@ -69,7 +69,7 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// Takes away what is held before the state at this place.
+    /// Removes the hold before the state at this place.
     fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
         let before = |hold: &&SuspendedBranch<D>| match hold.why {
             SuspendReason::Held { .. } if hold.spot.when == When::Before => {
@@ -81,7 +81,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.control.take(id)
     }
 
-    /// Goes past a state as if it had ended so, without outputs.
+    /// Skips a state as if it had ended by this outcome, without outputs.
     fn skip(&mut self, hold: &SuspendedBranch<D>, outcome: u32) {
         let StopPoint { parent, child, .. } = hold.spot;
         if hold.spot.is_root() {
@@ -133,7 +133,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Asks one active state to end, and all in it.
+    /// Asks an active state and everything in it to end.
     pub(in crate::engine) fn preempt_at(&mut self, path: &StatePath) -> Result<(), Refusal> {
         let steps = self.program.descend(path)?.1;
         let place = self.run.place(self.program, &steps);

@@ -1,4 +1,4 @@
-//! Letting go what is held: resume, steps forward, and where a step ends.
+//! Releases held branches: resume, steps forward, and the end of a step.
 
 use crate::engine::state::frames::{Marker, NONE};
 use crate::engine::state::phase::Cause;
@@ -11,7 +11,7 @@ use rafcon_model::StatePath;
 use std::collections::BTreeMap;
 
 impl<D: Datum> Step<'_, D> {
-    /// Goes past a spot: after it was held there, or because no condition was true.
+    /// Passes a stop point, after a hold there or because no breakpoint held the branch.
     pub(in crate::engine) fn go_past(&mut self, spot: StopPoint, branch: BranchId, was_held: bool) {
         let StopPoint { parent, child, when } = spot;
         match when {
@@ -30,7 +30,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Does what was planned with [`Work::Pass`], if the hold is still there.
+    /// Passes the hold planned with [`Work::Pass`], if it still exists.
     pub(in crate::engine) fn pass(&mut self, id: u64) {
         if let Some(hold) = self.run.control.take(id) {
             self.go_past(hold.spot, hold.branch, true);
@@ -41,7 +41,7 @@ impl<D: Datum> Step<'_, D> {
         self.run.work.extend(holds.iter().rev().map(|hold| Work::Pass(hold.id)));
     }
 
-    /// Ends a pause and steps: of the whole run, or of one branch.
+    /// Ends a pause and all steps, or resumes one branch.
     pub(in crate::engine) fn resume(&mut self, branch: Option<&StatePath>) -> Result<(), Refusal> {
         let place = self.view().branch_place(branch)?;
         self.end_pause();
@@ -60,7 +60,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    /// Resumes one branch and all in it. If the run was paused, the other branches go step by step.
+    /// Resumes one branch and everything in it. If the run was paused, the other branches go step by step.
     fn free_within(&mut self, place: PathId) {
         for slot in self.view().active() {
             let frame = self.run.frames.get(slot);
@@ -70,7 +70,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// A pause becomes steps.
+    /// Turns a pause into step mode.
     pub(in crate::engine) fn end_pause(&mut self) {
         if self.run.status == Status::Paused {
             self.pause(false);
@@ -78,7 +78,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Holds wherever a next state would begin.
+    /// Holds each branch before its next state.
     pub(in crate::engine) fn step_mode(&mut self) {
         self.end_pause();
         self.step_all(true);
@@ -91,7 +91,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Goes on with all branches until one comes to this state.
+    /// Resumes all branches until one reaches this state.
     pub(in crate::engine) fn run_to(&mut self, path: StatePath) -> Result<(), Refusal> {
         self.program.find(&path)?;
         self.resume(None)?;
@@ -99,7 +99,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    /// One step forward of what is held.
+    /// One step forward of all held branches, or of one.
     pub(in crate::engine) fn forward(
         &mut self,
         stride: Stride,
@@ -119,7 +119,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    /// Where the step of this hold ends: marked in the frame that it does not leave, or below which it holds nowhere.
+    /// Marks the frame in which the step of this hold ends, and sets the mode of its branch.
     fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
         let spot = hold.spot;
         let runs_through = match stride {
@@ -138,8 +138,8 @@ impl<D: Datum> Step<'_, D> {
         };
     }
 
-    /// Lets go what is held between the children of a frame that is asked to end: those that have not begun never do, those
-    /// that were left have ended.
+    /// Releases what is held in a frame that is asked to end. Branches that have not begun never begin; ended branches
+    /// count as done.
     pub(in crate::engine) fn release(&mut self, slot: u32) {
         for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
             match spot.when {
@@ -150,7 +150,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Someone is connected, or no one any more.
+    /// Notes whether a viewer is connected.
     pub(in crate::engine) fn attend(&mut self, attended: bool) {
         self.run.control.attended = attended;
         if !attended {
@@ -158,7 +158,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// What breakpoints hold that no one attends to continues or stops, as each breakpoint says.
+    /// Continues or stops what unattended breakpoints hold, as each breakpoint specifies.
     pub(in crate::engine) fn leave_alone(&mut self) {
         use crate::Unattended::{Continue, Stop};
         if !matches!(self.run.status, Status::Running | Status::Paused) {
@@ -185,7 +185,7 @@ impl<D: Datum> Step<'_, D> {
         self.pass_later(&go_on);
     }
 
-    /// Ends a pause. What it held continues; what steps and breakpoints hold stays held.
+    /// Ends a pause and releases what it held. Steps and breakpoints keep their holds.
     fn go_on(&mut self) {
         self.pause(false);
         let held = self.view().held(None);
@@ -196,7 +196,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// What is held, or what is held at and below a place: in the order of the machine.
+    /// The held branches, all or those at and below a place, in the order of the machine.
     pub(in crate::engine) fn held(&self, within: Option<PathId>) -> Vec<SuspendedBranch<D>> {
         let active = self.active();
         let order: BTreeMap<u32, usize> = active.iter().copied().zip(1..).collect();
@@ -218,7 +218,7 @@ impl<D: Datum> View<'_, '_, D> {
         begins || self.run.is_below(around, top)
     }
 
-    /// The place of a branch: of a child of a concurrency state that is active.
+    /// The place of a branch, given by the path of an active child of a concurrency state.
     pub(in crate::engine) fn branch_place(
         &self,
         branch: Option<&StatePath>,
@@ -235,12 +235,12 @@ impl<D: Datum> View<'_, '_, D> {
         Ok(self.run.places.child(place, *child as usize, self.program))
     }
 
-    /// The frame of the state that is active at a place.
+    /// The frame of the active state at a place.
     pub(in crate::engine) fn frame_at(&self, place: PathId) -> Option<u32> {
         self.active().into_iter().find(|&slot| self.run.frames.get(slot).path == place)
     }
 
-    /// Whether behind the end of this container there is nothing that could hold the branch.
+    /// True if nothing after the end of this container can hold the branch.
     fn leads_out_of_all(&self, spot: StopPoint) -> bool {
         if spot.is_root() || self.is_branch(spot) {
             return true;
@@ -251,13 +251,13 @@ impl<D: Datum> View<'_, '_, D> {
                 && self.leads_out_of_all(StopPoint::before(parent, 0))
     }
 
-    /// Whether a step over or out of something is under way, that holds nowhere before a child of this frame.
+    /// True if a step over or out is under way that holds before no child of this frame.
     pub(in crate::engine) fn is_passed_over(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
         frame.marker == Some(Marker::Out) || self.is_inside_of_step(frame.parent, frame.branch)
     }
 
-    /// Whether a step over or out of this frame, or of one around it on the same branch, is under way.
+    /// True if a step over or out of this frame, or of one around it on its branch, is under way.
     pub(in crate::engine) fn is_inside_of_step(&self, slot: u32, branch: BranchId) -> bool {
         let mut next = slot;
         while next != NONE {
@@ -275,7 +275,7 @@ impl<D: Datum> View<'_, '_, D> {
 }
 
 impl<D: Datum> crate::engine::Run<D> {
-    /// Whether a place is `top`, or in it.
+    /// True if a place is `top` or inside it.
     pub(in crate::engine) fn is_below(&self, place: PathId, top: PathId) -> bool {
         let mut next = Some(place);
         while let Some(place) = next {

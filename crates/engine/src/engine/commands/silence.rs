@@ -1,5 +1,5 @@
-//! What happens when nobody on the ground is heard any more: policies of states hold branches and preempt states
-//! (`docs/semantics.md`, Lost link). Knows how long the silence lasts, but no clock.
+//! Reactions to a silent ground: policies of states hold branches and preempt states (`docs/semantics.md`, Lost link).
+//! This module knows how long the silence lasts, but no clock.
 
 use crate::engine::Status;
 use crate::engine::state::frames::{Children, NONE};
@@ -10,7 +10,7 @@ use crate::{Datum, Event, HeldBy, Program, Silence, When};
 use rafcon_model::{Loss, LossPolicy};
 
 impl<D: Datum> Step<'_, D> {
-    /// Goes by this silence from now on. What is held stays held when it is over, until someone commands otherwise.
+    /// Sets the current silence. Holds remain after its end, until a command releases them.
     pub(in crate::engine) fn set_silence(&mut self, silence: Silence) {
         self.run.control.silence = silence;
         if !silence.is_over() {
@@ -18,7 +18,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Preempts a state that the silence has lasted too long for; false if there is none.
+    /// Preempts one state whose policy the silence has exceeded. False if no state qualifies.
     pub(in crate::engine) fn preempt_lost(&mut self) -> bool {
         if self.run.control.silence.is_over() {
             return false;
@@ -31,7 +31,8 @@ impl<D: Datum> Step<'_, D> {
         true
     }
 
-    /// Branches that policies hold in these frames go step by step no longer: what is asked to end is not held.
+    /// Ends step mode for branches that policies hold in these frames, because a state that is asked to end is not
+    /// held.
     pub(in crate::engine) fn free_lost(&mut self, frames: &[u32]) {
         let holds = self.run.control.holds.iter();
         let lost = holds.filter(|hold| matches!(hold.by(), Some(HeldBy::Loss(_))));
@@ -42,7 +43,8 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// The loss that holds a branch at a stop point: before a state that may not begin, or after one that was to end first.
+    /// The loss that holds a branch at a stop point: before a state that may not begin, or after one that had to end
+    /// first.
     pub(in crate::engine) fn loss_at(&self, stop_point: StopPoint) -> Option<Loss> {
         if self.run.control.silence.is_over()
             || !stop_point.is_root() && self.is_decider(stop_point)
@@ -83,12 +85,12 @@ impl<D: Datum> View<'_, '_, D> {
         matches!(outcome, Some(PREEMPTED | ABORTED))
     }
 
-    /// Whether a branch of a race ends here: held, it would win later, and the others would continue.
+    /// True if a branch of a race ends here. If it were held, it would win later, and the others would continue.
     fn is_racer(&self, stop_point: StopPoint) -> bool {
         matches!(self.body(stop_point.parent), Body::Concurrency(Concurrency::Preemptive, _))
     }
 
-    /// The outermost state that the silence has lasted too long for, unless a state in it has a policy of its own.
+    /// The outermost state whose policy the silence has exceeded. A state that contains another policy does not count.
     fn lost(&self) -> Option<(u32, Loss)> {
         if !matches!(self.run.status, Status::Running | Status::Paused) {
             return None;
@@ -110,7 +112,7 @@ impl<D: Datum> View<'_, '_, D> {
         time_ms.is_some_and(|time_ms| silent_ms > 0 && silent_ms >= time_ms)
     }
 
-    /// The policy that the state of a stop point has of its own.
+    /// The own policy of a stop point's state.
     fn own_policy_at(&self, stop_point: StopPoint, loss: Loss) -> Option<LossPolicy> {
         if stop_point.is_root() {
             return self.program.node(Program::<D>::ROOT).loss_policy(loss);
@@ -120,8 +122,8 @@ impl<D: Datum> View<'_, '_, D> {
         self.program.node(child).loss_policy(loss)
     }
 
-    /// The policy of an active state: its own, or that of the next state around it that has one. A preempted state ends the
-    /// search, so that its handlers run.
+    /// The policy for an active state: its own, or that of the nearest state around it that has one. A preempted state
+    /// ends the search, so that its handlers run.
     fn policy_around(&self, slot: u32, loss: Loss) -> Option<LossPolicy> {
         let mut next = slot;
         while next != NONE {

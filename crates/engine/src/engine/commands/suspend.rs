@@ -1,5 +1,5 @@
-//! Whether the run may go past a spot between two states: breakpoints with their conditions and counts, the state to run to,
-//! steps and pauses.
+//! Decides whether the run passes a stop point between two states: breakpoints with conditions and hit counts, the state to
+//! run to, steps and pauses.
 
 use crate::engine::Status;
 use crate::engine::state::frames::NONE;
@@ -14,12 +14,12 @@ use rafcon_model::StatePath;
 use smol_str::SmolStr;
 
 impl<D: Datum> Step<'_, D> {
-    /// Whether the run may go past this spot now. Otherwise it is held there, or a condition is being evaluated.
+    /// True if the run passes this stop point now. Otherwise it is held there, or a condition is being evaluated.
     pub(in crate::engine) fn passes(&mut self, spot: StopPoint, branch: BranchId) -> bool {
         self.run.is_free() || self.passes_gates(spot, branch, true)
     }
 
-    /// The same where only breakpoints count, because the run was held a moment ago.
+    /// As [`Self::passes`], but only breakpoints count, because the branch was just released from a hold.
     pub(in crate::engine) fn passes_breakpoints(
         &mut self,
         spot: StopPoint,
@@ -28,7 +28,7 @@ impl<D: Datum> Step<'_, D> {
         self.run.is_free() || self.passes_gates(spot, branch, false)
     }
 
-    /// The same behind what had ended when the run was lost: breakpoints counted there already.
+    /// As [`Self::passes`], for a state that had ended before the run was lost: its breakpoints were already counted.
     pub(in crate::engine) fn passes_again(&mut self, spot: StopPoint, branch: BranchId) -> bool {
         if self.run.is_free()
             || self.run.status == Status::Stopping
@@ -61,12 +61,13 @@ impl<D: Datum> Step<'_, D> {
             .at(spot.when, |wanted| self.run.stands_at(self.program, path, wanted))
     }
 
-    /// The place of the child of a spot.
+    /// The place of a stop point's child.
     pub(in crate::engine) fn spot_path(&mut self, spot: StopPoint) -> PathId {
         if spot.is_root() { PathId(0) } else { self.child_path(spot.parent, spot.child) }
     }
 
-    /// Goes through the breakpoints of a spot until one asks for its condition, then through what else holds there.
+    /// Evaluates the breakpoints of a stop point up to the first one with a condition. After the last breakpoint, it
+    /// decides whether the branch is held.
     pub(in crate::engine) fn ask(&mut self, mut inquiry: BreakpointScan<D>) -> bool {
         while let Some(id) = inquiry.rest.pop() {
             let found = self.run.control.breakpoints.get(id).map(|found| found.condition.clone());
@@ -94,7 +95,7 @@ impl<D: Datum> Step<'_, D> {
         by.inspect(|by| self.hold(spot, branch, *by)).is_none()
     }
 
-    /// A breakpoint is passed.
+    /// Counts a hit of a breakpoint, and applies its effect.
     fn hit(&mut self, inquiry: &mut BreakpointScan<D>, id: u64) {
         let found = self.run.control.breakpoints.get(id);
         let Some(alone) = found.map(|found| self.run.control.unattended(found)) else { return };
@@ -110,7 +111,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// A breakpoint holds its branch, or all.
+    /// Makes the breakpoint's branch step, or pauses the run.
     fn hold_more(&mut self, spot: StopPoint, branch: BranchId, scope: Scope, id: u64) {
         match scope {
             Scope::Branch => self.step_from(spot.parent, branch),
@@ -122,14 +123,14 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// A policy holds its branch, or does not.
+    /// Holds the branch if a lost-link policy requires it.
     fn held_by_loss(&mut self, inquiry: &BreakpointScan<D>) -> Option<HeldBy> {
         let loss = self.view().loss_at(inquiry.spot).filter(|_| inquiry.modes)?;
         self.step_from(inquiry.spot.parent, inquiry.branch);
         Some(HeldBy::Loss(loss))
     }
 
-    /// From now on this branch goes step by step, also where a step over or out of a frame was under way.
+    /// Switches this branch to step mode, also inside a step over or out of a frame.
     fn step_from(&mut self, slot: u32, branch: BranchId) {
         self.run.branches.set(branch, true);
         let mut next = slot;
@@ -140,7 +141,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// What holds at a spot besides breakpoints.
+    /// The reason, besides breakpoints and policies, to hold at a stop point.
     fn held_otherwise(&mut self, inquiry: &BreakpointScan<D>) -> Option<HeldBy> {
         let spot = inquiry.spot;
         if spot.when == When::After {
@@ -181,7 +182,7 @@ impl<D: Datum> Step<'_, D> {
         wanted.is_some_and(|wanted| self.run.stands_at(self.program, path, wanted))
     }
 
-    /// Holds the run at a spot, and says so.
+    /// Holds a branch at a stop point and reports it.
     pub(in crate::engine) fn hold(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
         let next = self.stand(spot, branch, by);
         let around = (!spot.is_root()).then(|| self.run.frames.get(spot.parent).path);
@@ -189,7 +190,7 @@ impl<D: Datum> Step<'_, D> {
         self.out.events.push(Event::Held { path, next, by });
     }
 
-    /// Holds the run at a spot. The state that comes after it, if it is known.
+    /// Holds a branch at a stop point and returns the next state, if it is known.
     fn stand(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) -> Option<PathId> {
         let next = self.next_at(spot);
         self.run.control.put(spot, branch, SuspendReason::Held { by, next });
@@ -224,7 +225,7 @@ impl<D: Datum> Step<'_, D> {
         self.set_phase(spot, Phase::Checking);
     }
 
-    /// A condition was evaluated.
+    /// Accepts the result of a condition.
     pub(in crate::engine) fn checked(
         &mut self,
         check: u64,
@@ -254,7 +255,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// What was asked to end is held nowhere, except before a handler.
+    /// True if the frame was asked to end, so that nothing is held there except before a handler.
     fn ends_anyway(&self, spot: StopPoint) -> bool {
         if spot.is_root() {
             return false;
@@ -269,8 +270,8 @@ impl<D: Datum> View<'_, '_, D> {
         matches!(self.body(slot), Body::Hierarchy(_))
     }
 
-    /// Whether a run that is begun held is held here: not on the way to where it begins, nor before what has something in
-    /// it, where that is.
+    /// True if a run that begins held is held at this stop point. It is not held on the start path, nor before a
+    /// library root that contains states, unless that root is the start itself.
     fn begins_at(&self, spot: StopPoint) -> bool {
         if spot.is_root() {
             return self.program.node(Program::<D>::ROOT).is_script();
@@ -297,14 +298,14 @@ impl<D: Datum> View<'_, '_, D> {
         *decider == Some(spot.child)
     }
 
-    /// Whether the child of this spot has a branch of its own.
+    /// True if the child of this stop point has a branch of its own.
     pub(in crate::engine) fn is_branch(&self, spot: StopPoint) -> bool {
         let in_concurrency =
             !spot.is_root() && matches!(self.body(spot.parent), Body::Concurrency(..));
         in_concurrency && !self.is_decider(spot)
     }
 
-    /// A branch that goes step by step is held in its hierarchies, where no step over or out of something is under way.
+    /// True if a branch in step mode is held here: in a hierarchy, outside of a step over or out.
     fn steps_at(&self, spot: StopPoint, branch: BranchId) -> bool {
         let in_hierarchy = !spot.is_root() && self.is_hierarchy(spot.parent);
         in_hierarchy && self.run.branches.steps(branch) && !self.is_passed_over(spot.parent)
@@ -312,7 +313,7 @@ impl<D: Datum> View<'_, '_, D> {
 }
 
 impl<D: Datum> crate::engine::Run<D> {
-    /// Where the run stands: it is stepped while any branch is.
+    /// The status of the run. It is stepping while any branch is in step mode.
     pub(in crate::engine) fn status(&self) -> Status {
         match self.status {
             Status::Running if self.branches.any_steps() => Status::Stepping,
@@ -325,12 +326,12 @@ impl<D: Datum> crate::engine::Run<D> {
         }
     }
 
-    /// Whether nothing could hold the run anywhere.
+    /// True if nothing can hold the run anywhere.
     pub(in crate::engine) fn is_free(&self) -> bool {
         self.status == Status::Running && !self.branches.any_steps() && self.control.is_quiet()
     }
 
-    /// Whether the place has this path.
+    /// True if the place has this path.
     fn stands_at(&self, program: &Program<D>, path: PathId, wanted: &StatePath) -> bool {
         let mut next = Some(path);
         for id in wanted.0.iter().rev() {

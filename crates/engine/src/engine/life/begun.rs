@@ -1,5 +1,5 @@
-//! The state that a run was started at, exported and restored: a run that is lost before it reached that state still reaches
-//! it, and what is to happen behind that state still happens.
+//! The state that a run was started at, exported and restored. A run that is lost before it reached that state still
+//! reaches it, and the action planned after that state still happens.
 
 use crate::engine::Engine;
 use crate::engine::state::step::{Step, View};
@@ -7,7 +7,7 @@ use crate::{BegunAt, Datum, PathId, Program, Then};
 use rafcon_model::{StateId, StatePath};
 
 impl<D: Datum> Engine<D> {
-    /// The state that the run was begun at; `None` if it was begun nowhere else, or that matters no more.
+    /// The state that the run was started at. `None` if it started at its root, or if the start no longer matters.
     pub fn begun_at(&self) -> Option<BegunAt> {
         let then = self.run.control.then.map_or(Then::GoOn, |(_, then)| then);
         let is_reached = !self.leads_on();
@@ -17,7 +17,7 @@ impl<D: Datum> Engine<D> {
         Some(BegunAt { path: self.start_path()?, is_reached, then })
     }
 
-    /// Whether something active leads to the state that the run was begun at, and has not come there.
+    /// True if an active state still leads to the start state, which was not reached.
     fn leads_on(&self) -> bool {
         let active = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
         active.into_iter().any(|slot| {
@@ -48,8 +48,8 @@ impl<D: Datum> Engine<D> {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// Lets what is active lead to the state that the run was begun at, as it did before the run was lost; as far as that
-    /// state is still in the machine.
+    /// Makes the active states lead to the start state again, as before the run was lost, as far as that state still
+    /// exists.
     pub(in crate::engine) fn lead_on(&mut self, begun: &BegunAt) {
         let (way, is_whole) = self.view().way_to(&begun.path);
         let target = self.target(&way).filter(|_| is_whole);
@@ -68,7 +68,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// The steps to a state, or to the last one above it that is there, and whether it is the state itself.
+    /// The steps to a state, or to the last existing state above it; true if they reach the state itself.
     fn way_to(&self, path: &StatePath) -> (Vec<u32>, bool) {
         let mut ids = path.0.clone();
         while ids.len() > 1 {
@@ -84,7 +84,7 @@ impl<D: Datum> View<'_, '_, D> {
         self.active().into_iter().any(|slot| self.run.frames.get(slot).path == place)
     }
 
-    /// The frame of the child at this position, or of the only child that is active.
+    /// The frame of the child at this position, or of the only active child.
     fn child_within(&self, slot: u32, child: u32) -> Option<u32> {
         let children = &self.run.frames.get(slot).children;
         match children.side_by_side() {

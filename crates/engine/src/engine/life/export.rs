@@ -1,4 +1,4 @@
-//! What is active, by names: the counterpart of taking a run up.
+//! Exports the active states by name: the counterpart of `restore.rs`.
 
 use crate::engine::Engine;
 use crate::engine::state::frames::{ChildrenSideBySide, Ended, Frame};
@@ -8,8 +8,8 @@ use rafcon_model::{OutcomeId, PortId};
 use std::collections::BTreeMap;
 
 impl<D: Datum> Engine<D> {
-    /// What is active now, with all its data; `None` if nothing is. Of a hierarchy, only the child that ended last comes
-    /// with its outcome; the others count as *aborted*, for their outcomes matter no more.
+    /// The active states with all their data; `None` if none is active. In a hierarchy, only the child that ended last
+    /// has its true outcome. The others are given as *aborted*, because their outcomes no longer matter.
     pub fn configuration(&self) -> Option<ActiveStateData<D>> {
         let frames = self.run.frames.below(self.run.root?);
         let mut made: BTreeMap<u32, ActiveStateData<D>> = BTreeMap::new();
@@ -55,7 +55,7 @@ impl<D: Datum> Engine<D> {
         self.program.node(inside.child(child)).id().clone()
     }
 
-    /// The outputs that flow on, each by itself, and how the child ended that ended last.
+    /// The outputs that flow on, one entry each, and the end of the child that ended last.
     fn ends(&self, frame: &Frame<D>, node: &Node<D>, inside: &Inside<D>) -> Vec<ChildEnd<D>> {
         let slots = frame.slots.iter().skip(node.inputs().len() + inside.scoped.len());
         let given = inside.sources.iter().zip(slots).filter_map(|(&(child, port), slot)| {
@@ -90,7 +90,8 @@ impl<D: Datum> Engine<D> {
         outputs.get(port as usize).map(|port| port.id)
     }
 
-    /// How branches ended: the winner of a race first, and in a barrier in the order of their values.
+    /// The ends of branches. Their order puts the winner of a race first; in a barrier it is the order in which their
+    /// values were stored.
     fn ends_of_branches(
         &self,
         frame: &Frame<D>,

@@ -1,4 +1,4 @@
-//! What one place holds right now, for scripts and people that ask.
+//! The data of one active state, requested by scripts and viewers.
 
 use crate::engine::Engine;
 use crate::program::{Body, Inside};
@@ -9,9 +9,9 @@ use std::sync::Arc;
 /// The data of an active state.
 #[derive(Debug, Clone)]
 pub struct Inspection<D> {
-    /// What it does.
+    /// The current activity of the state.
     pub activity: Activity,
-    /// Whether it was asked to end.
+    /// True if the state was asked to end.
     pub preempted: bool,
     /// One value for each input port, in the node's order.
     pub inputs: Arc<[D]>,
@@ -22,7 +22,7 @@ pub struct Inspection<D> {
 }
 
 impl<D: Datum> Engine<D> {
-    /// What the state at this place holds; `None` if it is not active.
+    /// The data of the state at this place; `None` if it is not active.
     pub fn inspect(&self, path: PathId) -> Option<Inspection<D>> {
         let slots = self.run.frames.below(self.run.root?);
         let slot = slots.into_iter().find(|&slot| self.run.frames.get(slot).path == path)?;
@@ -56,8 +56,8 @@ impl<D: Datum> Engine<D> {
             .collect()
     }
 
-    /// The places of the children of the state at `path`, in their order; of no children, if nothing stands there. Gives the
-    /// children their places if the state was never entered.
+    /// The places of the children of the state at `path`, in their order; empty for an unknown place. Allocates the
+    /// places if the state was never entered.
     pub fn child_places(&mut self, path: PathId) -> &[PathId] {
         if self.run.places.node(path).is_none() {
             return &[];

@@ -1,5 +1,5 @@
-//! What holds between any two inputs: frames, holds, branches and trails agree with each other. Knows what must be true, never
-//! how it came about. Tests and the simulation ask after every input.
+//! Invariants between two inputs: frames, holds, branches and undo logs agree with each other. Tests and the simulation
+//! check them after every input.
 
 use crate::engine::state::frames::{Children, ChildrenSideBySide, ConcurrentChild, Frame, NONE};
 use crate::engine::state::phase::Phase;
@@ -10,7 +10,7 @@ use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, When};
 use std::collections::BTreeSet;
 
-/// What is wrong, as text.
+/// Result of a check; the error describes the broken invariant.
 type Checked = Result<(), String>;
 
 fn holds(kept: bool, slot: u32, what: &str) -> Checked {
@@ -18,8 +18,8 @@ fn holds(kept: bool, slot: u32, what: &str) -> Checked {
 }
 
 impl<D: Datum> Engine<D> {
-    /// Whether the engine's tables agree with each other, as they must between two inputs. The error says what does not; it is
-    /// a bug of the engine.
+    /// Checks that the engine's tables agree with each other, as they must between two inputs. An error describes a bug
+    /// of the engine.
     pub fn check(&self) -> Result<(), String> {
         let run = &self.run;
         let none = |kept: bool, what: &str| holds(kept, NONE, what);
@@ -88,7 +88,7 @@ impl<D: Datum> Engine<D> {
         holds(does && held, slot, "a script does what it cannot")
     }
 
-    /// A hierarchy or library state has one child, or stands still for one reason.
+    /// A hierarchy or library state has one active child, or is held or waits for one reason.
     fn check_single(&self, slot: u32, frame: &Frame<D>) -> Checked {
         let stands = matches!(frame.phase, Phase::Held | Phase::Checking);
         let held = self.held_itself(slot) == usize::from(stands);
@@ -143,7 +143,7 @@ impl<D: Datum> Engine<D> {
         holds(known, slot, "its undo log names a value that it does not have")
     }
 
-    /// How often a frame itself is held, not one of its branches.
+    /// The number of holds of the frame itself, without those of its branches.
     fn held_itself(&self, slot: u32) -> usize {
         let inside = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
         inside.filter(|hold| !self.is_branch_hold(hold)).count()
@@ -154,7 +154,7 @@ impl<D: Datum> Engine<D> {
         parent != NONE
             && match &self.program.node(self.run.frames.get(parent).node).body {
                 Body::Concurrency(kind, _) => {
-                    // Before the end of a barrier without a decider no child is next.
+                    // No child is next before the end of a barrier without a decider.
                     kind.decider() != Some(hold.spot.child)
                         && (hold.spot.child != NONE || hold.spot.when == When::After)
                 }
@@ -162,7 +162,7 @@ impl<D: Datum> Engine<D> {
             }
     }
 
-    /// Whether a frame is the child of a concurrency state, on a branch of its own.
+    /// True if a frame is the child of a concurrency state, on a branch of its own.
     fn begins_branch(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
         frame.parent != NONE

@@ -1,4 +1,4 @@
-//! What becomes of scripts that a crash interrupted: they wait, abort, or run again.
+//! Recovery of scripts that a crash interrupted: they wait, abort, or run again.
 
 use crate::engine::Refusal;
 use crate::engine::state::frames::NONE;
@@ -11,7 +11,7 @@ use rafcon_model::StatePath;
 use std::sync::Arc;
 
 impl<D: Datum> Step<'_, D> {
-    /// Decides about all scripts that wait, or those at and below one place.
+    /// Decides about all interrupted scripts, or about those at and below one place.
     pub(in crate::engine) fn recover(
         &mut self,
         path: Option<&StatePath>,
@@ -33,7 +33,7 @@ impl<D: Datum> Step<'_, D> {
         Ok(())
     }
 
-    /// A script that ran when the run ended. What is left as work stands in the order in which it is to be done.
+    /// Resumes the state of a script that was interrupted. Its work is queued in the order of execution.
     pub(in crate::engine) fn resume_script(
         &mut self,
         slot: u32,
@@ -56,7 +56,8 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Continues a state that stood still before its script: it ends if it was asked to, else its script runs.
+    /// Continues a state that was held or waited before its script: it ends if it was asked to, otherwise its script
+    /// runs.
     pub(in crate::engine) fn advance_script(&mut self, slot: u32) {
         let frame = self.run.frames.get(slot);
         match frame.phase {
@@ -79,10 +80,10 @@ impl<D: Datum> Step<'_, D> {
         self.run_script(slot, verdicts);
     }
 
-    /// Gives nothing out: there is no result.
+    /// Ends the state of a script without outputs, because the script has no result.
     fn end_script_later(&mut self, slot: u32, outcome: u32, error: Option<D>) {
         let frame = self.run.frames.get_mut(slot);
-        // Nothing wakes it again.
+        // No cause wakes the frame in this phase.
         frame.phase = Phase::Begun;
         let node = self.program.node(frame.node);
         let ended = crate::engine::stepping::leave::ended(node, outcome, Vec::new(), error);
@@ -101,7 +102,7 @@ impl<D: Datum> View<'_, '_, D> {
         self.run.places.text(place, self.program).0.starts_with(above)
     }
 
-    /// How the branches of a barrier ended, for its decider.
+    /// The ends of a barrier's branches, if this state is its decider.
     fn verdicts_for(&self, slot: u32) -> Option<Arc<Verdicts<D>>> {
         let frame = self.run.frames.get(slot);
         if !self.program.node(frame.node).id().is_decider() || frame.parent == NONE {

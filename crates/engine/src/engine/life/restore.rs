@@ -1,5 +1,4 @@
-//! Restoring a run at a moment: frames, values and places as they were. Knows names and orders; from there the run continues
-//! like any other.
+//! Restores frames, values and places of a run at a moment. From there the run continues like any other.
 
 use crate::engine::state::frames::{Children, Ended, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
@@ -16,12 +15,12 @@ use crate::{
 use rafcon_model::{Port, PortId, StateId};
 use std::sync::Arc;
 
-/// Where a frame is made again.
+/// Position at which a frame is restored.
 #[derive(Debug, Clone, Copy)]
 struct RestoredPoint {
     parent: u32,
     child: u32,
-    /// The order of the last request to end that was made to all that is active there.
+    /// Order of the last request to end that applied to everything active there.
     request: u64,
 }
 
@@ -55,7 +54,7 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// All frames of a moment, parents before children.
+    /// Restores all frames of a moment, parents before children.
     fn rebuild(&mut self, root: ActiveStateData<D>, stop: u64) -> Vec<u32> {
         let mut made = Vec::new();
         let mut stack = vec![(RestoredPoint { parent: NONE, child: 0, request: stop }, root)];
@@ -145,7 +144,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The values in a container, put down in their order. At one moment outputs come before scoped variables.
+    /// Restores the values of a container in their order. At equal orders, outputs come before scoped variables.
     fn refill(
         &mut self,
         slot: u32,
@@ -186,7 +185,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The child of a hierarchy that ended last, and its error.
+    /// Restores the last ended child of a hierarchy, and its error.
     fn restore_last(&mut self, slot: u32, inside: &Inside<D>, restored: &ActiveStateData<D>) {
         let Some(last) = &restored.last else { return };
         let position = inside.children.iter().position(|&c| self.program.node(c).id() == last);
@@ -199,7 +198,7 @@ impl<'s, D: Datum> Step<'s, D> {
         frame.last_error = end.error.clone().filter(|_| outcome == ABORTED);
     }
 
-    /// How the children of a concurrency state ended. Those that are active again have not.
+    /// Restores the ends of a concurrency state's children. Children that are active again have not ended.
     fn restore_ends(
         &mut self,
         slot: u32,
@@ -240,7 +239,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Lets each frame do what it would have done next: works stand in reverse, for the last of them is done first.
+    /// Queues the next work of each frame. The queue is in reverse, because its last entry is done first.
     fn set_going(&mut self, made: &[u32], interrupted: Interrupted, hold: bool) {
         for &slot in made {
             if let Body::Script = self.view().body(slot) {
@@ -318,7 +317,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.work.extend(enter);
     }
 
-    /// Branches of a barrier that had ended: one that is held behind its end counts once it is let go.
+    /// Restores the holds of a barrier's ended branches. A branch that is held after its end counts once it is
+    /// released.
     fn hold_ended_again(&mut self, slot: u32, kind: Concurrency, inside: &'s Inside<D>) {
         for child in all_but_decider(kind, inside) {
             let children = self.run.frames.get(slot).children.side_by_side();
@@ -357,8 +357,8 @@ impl<D: Datum> View<'_, '_, D> {
         around.child(child as usize).unwrap_or(Program::<D>::ROOT)
     }
 
-    /// A request reaches what was entered before it, and what begins in a state that was asked to end; but not what a
-    /// hierarchy enters after it, for that is a handler.
+    /// True if a request to end applies. It reaches states entered before it, and states that begin inside a state that
+    /// was asked to end. It does not reach a state that a hierarchy enters later, because that is a handler.
     fn was_asked_to_end(&self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> bool {
         let asked = restored.preempted.unwrap_or(restored.order < spot.request);
         if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
@@ -367,7 +367,7 @@ impl<D: Datum> View<'_, '_, D> {
         self.run.frames.get(spot.parent).begins_no_branch()
     }
 
-    /// Where the outputs of a child flow, other than to scoped variables, which stand for themselves.
+    /// Collects the writes of a child's outputs. Scoped variables are restored from their own values instead.
     fn outputs_of(
         &self,
         slot: u32,
@@ -391,7 +391,7 @@ impl<D: Datum> View<'_, '_, D> {
         self.program.node(inside.child(child)).id() == id
     }
 
-    /// How the root of a library ended.
+    /// The restored end of a library's root.
     fn end_of(&self, library: NodeId, end: &ChildEnd<D>) -> Option<Ended<D>> {
         let (_, child) = self.program.child_of(self.program.node(library), &end.state)?;
         self.end_of_child(child, end)

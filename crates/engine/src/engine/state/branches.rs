@@ -1,17 +1,16 @@
-//! Numbers for branches, and which of them go step by step. A number is used again, but never in the answer in which its
+//! Numbers of branches, and which of them go step by step. A number is reused, but never in the call in which its
 //! branch ended.
 
 use crate::BranchId;
 
 #[derive(Debug)]
 pub(in crate::engine) struct Branches {
-    /// Whether each branch is held before its next child; `None` for a number that is not in use. Branch 0 is that of the
-    /// root.
+    /// True if the branch is held before its next child; `None` for an unused number. Branch 0 is that of the root.
     steps: Vec<Option<bool>>,
-    /// How many branches go step by step.
+    /// Number of branches in step mode.
     stepping: usize,
     free: Vec<BranchId>,
-    /// Free after this answer.
+    /// Numbers that become free after this call.
     ended: Vec<BranchId>,
 }
 
@@ -34,12 +33,12 @@ impl Branches {
         self.ended.push(branch);
     }
 
-    /// An answer is complete.
+    /// Frees the numbers of branches that ended in this call.
     pub(in crate::engine) fn settle(&mut self) {
         self.free.extend(self.ended.drain(..).rev());
     }
 
-    /// Whether any branch goes step by step.
+    /// True if any branch goes step by step.
     pub(in crate::engine) fn any_steps(&self) -> bool {
         self.stepping > 0
     }
@@ -60,17 +59,17 @@ impl Branches {
         self.stepping = if steps { live } else { 0 };
     }
 
-    /// Whether a number is in use.
+    /// True if the number is in use.
     pub(in crate::engine) fn has(&self, branch: BranchId) -> bool {
         self.steps.get(branch.index()).is_some_and(Option::is_some)
     }
 
-    /// How many there are.
+    /// The number of live branches.
     pub(in crate::engine) fn live(&self) -> usize {
         self.steps.iter().flatten().count()
     }
 
-    /// Whether those that go step by step are counted rightly.
+    /// True if the count of branches in step mode is correct.
     pub(in crate::engine) fn counts(&self) -> bool {
         self.steps.iter().flatten().filter(|steps| **steps).count() == self.stepping
     }

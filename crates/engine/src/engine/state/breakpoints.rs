@@ -1,4 +1,4 @@
-//! The breakpoints of a run and how often each was passed. Knows no frame.
+//! The breakpoints of a run and their hit counts. This module knows no frame.
 
 use crate::{Breakpoint, When};
 use rafcon_model::StatePath;
@@ -33,7 +33,7 @@ impl Breakpoints {
         self.all.binary_search_by_key(&id, |entry| entry.breakpoint.id)
     }
 
-    /// One with the same id is replaced, and its hits are forgotten.
+    /// Adds a breakpoint. It replaces one with an equal id, and its hits count from 0.
     pub(in crate::engine) fn set(&mut self, breakpoint: Breakpoint) {
         let place = self.place(breakpoint.id);
         let entry = BreakpointEntry { breakpoint, hits: 0 };
@@ -43,7 +43,7 @@ impl Breakpoints {
         }
     }
 
-    /// Whether it was there.
+    /// Removes a breakpoint; false if it does not exist.
     pub(in crate::engine) fn remove(&mut self, id: u64) -> bool {
         let place = self.place(id);
         if let Ok(place) = place {
@@ -52,7 +52,7 @@ impl Breakpoints {
         place.is_ok()
     }
 
-    /// Those that are enabled on this side of the state that `stands` agrees to, the lowest id last.
+    /// The enabled breakpoints at `when` whose path the predicate accepts, by falling id.
     pub(in crate::engine) fn at(
         &self,
         when: When,
@@ -63,7 +63,7 @@ impl Breakpoints {
         here.map(|breakpoint| breakpoint.id).collect()
     }
 
-    /// Counts that a breakpoint was passed. How often by now, and what it says.
+    /// Counts a hit; returns the number of hits and the breakpoint, if it is enabled.
     pub(in crate::engine) fn hit(&mut self, id: u64) -> Option<(u32, &Breakpoint)> {
         let place = self.place(id).ok()?;
         let entry = self.all.get_mut(place).filter(|entry| entry.breakpoint.enabled)?;
