@@ -1,4 +1,4 @@
-//! The table of frames: one for each active run of a state. Knows how frames hang together, not what they do.
+//! The table of frames: one for each active run of a state. It knows the tree of frames, not what frames do.
 
 use crate::engine::state::phase::Phase;
 use crate::engine::state::undo_log::{EndedRun, UndoLog};
@@ -6,33 +6,33 @@ use crate::program::{Body, Inside, Node};
 use crate::{BranchId, FrameId, NodeId, PathId};
 use std::sync::Arc;
 
-/// No frame: the parent of the root, and the place of a child that does not run.
+/// No frame: the parent of the root, and the entry of a child that is not active.
 pub(in crate::engine) const NONE: u32 = u32::MAX;
 
-/// How a state ended.
+/// The end of a state.
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct Ended<D> {
     /// Index of the outcome in its node.
     pub(in crate::engine) outcome: u32,
     pub(in crate::engine) outputs: Arc<[D]>,
-    /// Outputs that a script left out: they flow nowhere.
+    /// Output ports that a script left out; no value flows from them.
     pub(in crate::engine) absent: Vec<u32>,
     pub(in crate::engine) error: Option<D>,
 }
 
-/// A step that holds nowhere below a frame.
+/// The extent of a step that holds nowhere below a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) enum Marker {
-    /// It holds before the next child of the frame.
+    /// The step holds before the next child of the frame.
     Over,
-    /// It holds nowhere in the frame.
+    /// The step holds nowhere in the frame.
     Out,
 }
 
-/// A value in a container.
+/// A value in a container, and its age.
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct Slot<D> {
-    /// Rises with every value that is put anywhere in the run; 0 in a slot that holds nothing.
+    /// Rises with every value stored anywhere in the run; 0 for an empty slot.
     pub(in crate::engine) sequence: u64,
     pub(in crate::engine) value: Option<D>,
 }
@@ -41,46 +41,47 @@ pub(in crate::engine) struct Slot<D> {
 #[derive(Debug)]
 pub(in crate::engine) struct Frame<D> {
     pub(in crate::engine) generation: u32,
-    /// Whether the frame is in use.
+    /// True while the frame is in use.
     pub(in crate::engine) live: bool,
     pub(in crate::engine) node: NodeId,
     pub(in crate::engine) path: PathId,
     pub(in crate::engine) branch: BranchId,
     pub(in crate::engine) parent: u32,
     pub(in crate::engine) phase: Phase,
-    /// Was asked to end. Never taken back.
+    /// True if the frame was asked to end. Never reset.
     pub(in crate::engine) preempted: bool,
-    /// The step that is under way here.
+    /// The step that is in progress in this frame.
     pub(in crate::engine) marker: Option<Marker>,
-    /// It was let go before this child, or [`NONE`] at the end of another: nothing holds it there again.
+    /// Child before which a hold was released, or [`NONE`] at the end of another child. Nothing holds the branch there
+    /// again.
     pub(in crate::engine) pass: Option<u32>,
-    /// A child was left, and breakpoints behind it have not been looked at.
+    /// True after the end of a child, until the breakpoints after it are evaluated.
     pub(in crate::engine) after: bool,
-    /// The number of its entry, counted over all entries of the run.
+    /// Number of the frame's entry among all entries of the run.
     pub(in crate::engine) entry: u64,
-    /// It was entered backwards: the number of the entry that is undone, and the outcome of then.
+    /// For a frame entered backwards: the number of the undone entry, and its outcome.
     pub(in crate::engine) undoes: Option<(u64, u32)>,
-    /// How many steps of the start path lead to here, while it leads on from here.
+    /// Depth on the start path, while the path continues below this frame.
     pub(in crate::engine) start_depth: Option<u32>,
-    /// Its inputs.
+    /// Values of the input ports.
     pub(in crate::engine) inputs: Option<Arc<[D]>>,
-    /// The defaults of its outputs, until its end takes them.
+    /// Default values of the outputs, until the end of the state takes them.
     pub(in crate::engine) outputs: Option<Arc<[D]>>,
-    /// The error that it was given.
+    /// Error that the state received.
     pub(in crate::engine) error: Option<D>,
     /// The values of a container: its inputs, its scoped variables, then the outputs of children.
     pub(in crate::engine) slots: Vec<Slot<D>>,
-    /// The child of a container that ended last, or decides, and the index of its outcome.
+    /// The child that ended last, or that decides, and the index of its outcome.
     pub(in crate::engine) last: Option<(u32, u32)>,
-    /// The error that the last child left, for the next.
+    /// The error of the last child, for the next one.
     pub(in crate::engine) last_error: Option<D>,
     pub(in crate::engine) children: Children<D>,
 }
 
-/// The children of an active state by the kind of the state: those that are active, and what those that ended left.
+/// The children of an active state by the kind of the state: active children, and what ended children left behind.
 #[derive(Debug)]
 pub(in crate::engine) enum Children<D> {
-    /// A script has none.
+    /// Scripts have no children.
     None,
     Library(LibraryRoot<D>),
     Hierarchy(Box<ChildrenInTurn<D>>),
@@ -90,11 +91,11 @@ pub(in crate::engine) enum Children<D> {
 /// The root of a library state's content.
 #[derive(Debug)]
 pub(in crate::engine) struct LibraryRoot<D> {
-    /// Its frame, while it is active.
+    /// The root's frame, while it is active.
     pub(in crate::engine) active: Option<u32>,
-    /// What it left behind when it ended.
+    /// The root's data after its end, for stepping back.
     pub(in crate::engine) run: Option<EndedRun<D>>,
-    /// How the library state ends because of it, while that is held.
+    /// The pending end of the library state, while it is held.
     pub(in crate::engine) end: Option<Box<Ended<D>>>,
 }
 
@@ -103,10 +104,10 @@ pub(in crate::engine) struct LibraryRoot<D> {
 pub(in crate::engine) struct ChildrenInTurn<D> {
     /// The frame of the active child.
     pub(in crate::engine) active: Option<u32>,
-    /// The error that was handed to the active child.
+    /// The error that was passed to the active child.
     pub(in crate::engine) handed_error: Option<D>,
     pub(in crate::engine) undo_log: UndoLog<D>,
-    /// The answer in which a child ended last, and how many did in it.
+    /// The last call in which a child ended, and how many ended in it.
     pub(in crate::engine) turn: u64,
     pub(in crate::engine) steps: u32,
 }
@@ -114,30 +115,30 @@ pub(in crate::engine) struct ChildrenInTurn<D> {
 /// The children of a concurrency state.
 #[derive(Debug)]
 pub(in crate::engine) struct ChildrenSideBySide<D> {
-    /// One for each child of the state, the decider too.
+    /// One entry for each child of the state, including the decider.
     pub(in crate::engine) all: Vec<ConcurrentChild<D>>,
-    /// Those that ended, in that order.
+    /// Ended children in the order of their ends.
     pub(in crate::engine) order: Vec<u32>,
-    /// The values of the state before any child ended; without them no child can be undone.
+    /// The values of the state before any child ended. Without them no child can be undone.
     pub(in crate::engine) base: Option<Vec<Slot<D>>>,
-    /// How many have not ended, started or not. The decider does not count.
+    /// Number of children that have not ended, started or not, without the decider.
     pub(in crate::engine) open: u32,
-    /// The one that won the race.
+    /// The winner of the race.
     pub(in crate::engine) winner: Option<u32>,
 }
 
 /// One child of a concurrency state.
 #[derive(Debug)]
 pub(in crate::engine) struct ConcurrentChild<D> {
-    /// Its frame, while it is active.
+    /// The child's frame, while it is active.
     pub(in crate::engine) active: Option<u32>,
     pub(in crate::engine) ended: Option<Ended<D>>,
-    /// What it left behind when it ended.
+    /// The child's data after its end, for stepping back.
     pub(in crate::engine) run: Option<EndedRun<D>>,
 }
 
 impl<D> Children<D> {
-    /// Those of a state that begins.
+    /// The children of a state that begins.
     pub(in crate::engine) fn of(body: &Body<D>) -> Self {
         match body {
             Body::Script => Self::None,
@@ -174,7 +175,7 @@ impl<D> Children<D> {
         self.active().next().is_some()
     }
 
-    /// Makes a frame the active child; or none, where it was.
+    /// Sets the frame of the active child, or removes it.
     pub(in crate::engine) fn set_active(&mut self, child: u32, frame: Option<u32>) {
         match self {
             Self::None => {}
@@ -215,23 +216,23 @@ impl<D> Children<D> {
 }
 
 impl<D> ChildrenSideBySide<D> {
-    /// The frame of a child that is active.
+    /// The frame of an active child.
     pub(in crate::engine) fn active(&self, child: u32) -> Option<u32> {
         self.all.get(child as usize).and_then(|child| child.active)
     }
 
-    /// How a child ended.
+    /// The end of a child.
     pub(in crate::engine) fn ended(&self, child: u32) -> Option<&Ended<D>> {
         self.all.get(child as usize).and_then(|child| child.ended.as_ref())
     }
 
-    /// The children that ended, with how they did.
+    /// The ended children, each with its end.
     pub(in crate::engine) fn ends(&self) -> impl DoubleEndedIterator<Item = (u32, &Ended<D>)> {
         let all = self.all.iter().enumerate();
         all.filter_map(|(index, child)| Some((crate::program::index(index), child.ended.as_ref()?)))
     }
 
-    /// A child ended, and left this behind.
+    /// Records the end of a child and what it left behind.
     pub(in crate::engine) fn end(&mut self, child: u32, ended: Ended<D>, run: Option<EndedRun<D>>) {
         let is_undoable = self.base.is_some();
         if let Some(child) = self.all.get_mut(child as usize) {
@@ -241,7 +242,7 @@ impl<D> ChildrenSideBySide<D> {
         }
     }
 
-    /// Whether no child is active or has ended.
+    /// True if no child is active or has ended.
     pub(in crate::engine) fn are_at_start(&self) -> bool {
         self.all.iter().all(|child| child.active.is_none() && child.ended.is_none())
     }
@@ -253,14 +254,14 @@ impl<D> ConcurrentChild<D> {
     }
 }
 
-/// All frames. The place of one that ended is used again.
+/// All frames. The slot of an ended frame is reused.
 #[derive(Debug)]
 pub(in crate::engine) struct Frames<D> {
     all: Vec<Frame<D>>,
     free: Vec<u32>,
 }
 
-/// What every frame begins with.
+/// The initial contents of a frame.
 #[derive(Debug)]
 pub(in crate::engine) struct Seed<D> {
     pub(in crate::engine) node: NodeId,
@@ -272,12 +273,12 @@ pub(in crate::engine) struct Seed<D> {
     pub(in crate::engine) inputs: Arc<[D]>,
     pub(in crate::engine) outputs: Arc<[D]>,
     pub(in crate::engine) error: Option<D>,
-    /// Where among the events of this answer the state is entered: before the notes about its inputs.
+    /// Position of the entry among the events of this call, before the notes about its inputs.
     pub(in crate::engine) entered_at: usize,
 }
 
 impl<D> Frame<D> {
-    /// When the outputs of a child were stored that flow anywhere; 0 if none do.
+    /// The sequence number of the oldest stored output of a child; 0 if none is stored.
     pub(in crate::engine) fn stored_at(
         &self,
         node: &Node<D>,
@@ -316,7 +317,7 @@ impl<D> Frame<D> {
         }
     }
 
-    /// Whether branches that have not begun never will: the state was asked to end, or its race is decided.
+    /// True if branches that have not begun never will: the state was asked to end, or its race is decided.
     pub(in crate::engine) fn begins_no_branch(&self) -> bool {
         self.preempted || self.children.winner().is_some()
     }
@@ -335,7 +336,7 @@ impl<D> Frames<D> {
         &mut self.all[slot as usize]
     }
 
-    /// The place of a frame that is still the one with this id.
+    /// The slot of the frame with this id, if it still exists.
     pub(in crate::engine) fn find(&self, id: FrameId) -> Option<u32> {
         let frame = self.all.get(id.slot as usize)?;
         (frame.live && frame.generation == id.generation).then_some(id.slot)
@@ -369,7 +370,7 @@ impl<D> Frames<D> {
         slot
     }
 
-    /// Ends the use of a frame and drops its values.
+    /// Frees a frame and drops its values.
     pub(in crate::engine) fn remove(&mut self, slot: u32) {
         let frame = &mut self.all[slot as usize];
         let generation = frame.generation.wrapping_add(1);
@@ -382,7 +383,7 @@ impl<D> Frames<D> {
         (0..).zip(&self.all).filter(|(_, frame)| frame.live).map(|(slot, _)| slot)
     }
 
-    /// Whether each frame is either in use or free.
+    /// True if each frame is either in use or free.
     pub(in crate::engine) fn are_accounted_for(&self) -> bool {
         let is_free = |slot: &u32| self.all.get(*slot as usize).is_some_and(|frame| !frame.live);
         self.free.iter().all(is_free) && self.live().count() + self.free.len() == self.all.len()

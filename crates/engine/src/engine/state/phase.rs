@@ -1,55 +1,55 @@
-//! The life of one run of a state, as a table.
+//! The life of one run of a state, as a table of phases and causes.
 
 use crate::WaitReason;
 
-/// What a frame does.
+/// The current activity of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::engine) enum Phase {
-    /// It was entered just now.
+    /// The state was just entered.
     Begun,
-    /// Its script runs.
+    /// The script of the state runs.
     Script,
-    /// One child runs: in a hierarchy or library state.
+    /// One child of a hierarchy or library state runs.
     Child,
-    /// It is held before its next child, or after its last.
+    /// The frame is held before its next child, or after its last.
     Held,
-    /// The condition of a breakpoint is being evaluated before its next child, or after its last.
+    /// The condition of a breakpoint is being evaluated before the next child, or after the last.
     Checking,
-    /// It cannot continue by itself.
+    /// The frame cannot continue by itself.
     Waiting(WaitReason),
-    /// Its children run side by side.
+    /// The children of a concurrency state run in parallel.
     Branches,
     /// The decider of the barrier runs.
     Deciding,
 }
 
-/// What can happen to a frame.
+/// Events that a frame reacts to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) enum Cause {
-    /// Its script ended.
+    /// The script of the state ended.
     ScriptEnded,
-    /// One of its children ended.
+    /// One child of the frame ended.
     ChildEnded,
-    /// It is asked to end.
+    /// The state was asked to end.
     Preempted,
-    /// What held it lets it go.
+    /// The hold or check of the frame was released.
     LetGo,
 }
 
-/// What the frame does about it.
+/// The reaction of a frame to a cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) enum Reaction {
-    /// It ends.
+    /// The frame ends by its result.
     Leave,
-    /// It looks what is next.
+    /// The frame selects its next step.
     Advance,
-    /// It continues; the event was noted.
+    /// The frame continues; the cause was recorded.
     GoOn,
-    /// It cannot happen in this phase.
+    /// The cause is impossible in this phase.
     Refuse,
 }
 
-/// The table. The same rows stand in `docs/semantics.md`.
+/// Returns the reaction to a cause. `docs/semantics.md` has the table.
 pub(in crate::engine) fn react(phase: &Phase, cause: Cause) -> Reaction {
     match (phase, cause) {
         (Phase::Script, Cause::ScriptEnded) => Reaction::Leave,

@@ -1,5 +1,5 @@
-//! Numbers for the places where states run. The children of a place get theirs when it is first entered, as a list, so that
-//! the place of a child is one step away.
+//! Numbers for the places where states run. The children of a place are numbered when the place is first entered. They
+//! form a list, so that the place of a child is one lookup away.
 
 use crate::{NodeId, PathId, Program};
 use rafcon_model::{StateId, StatePath};
@@ -9,22 +9,22 @@ use std::collections::BTreeMap;
 struct Place {
     node: NodeId,
     parent: Option<PathId>,
-    /// Where its children begin in [`Places::lists`].
+    /// Index of the first child in [`Places::lists`].
     children: Option<u32>,
 }
 
-/// All places that were entered, and those beside them.
+/// All entered places, and their siblings.
 #[derive(Debug)]
 pub(in crate::engine) struct Places {
     all: Vec<Place>,
-    /// The children of all places.
+    /// The children of all places, one list after the other.
     lists: Vec<PathId>,
-    /// Places whose states were removed, by the place around them.
+    /// Places of removed states, by the place around them and the state's id.
     former: BTreeMap<(PathId, StateId), PathId>,
 }
 
 impl Places {
-    /// The place of the root has the number 0.
+    /// Creates the table with the root's place, number 0.
     pub(in crate::engine) fn new(root: NodeId) -> Self {
         Self {
             all: vec![Place { node: root, parent: None, children: None }],
@@ -33,7 +33,7 @@ impl Places {
         }
     }
 
-    /// The place of a child of `path`, whose children get their places at the first call.
+    /// The place of a child of `path`. The first call allocates the places of all its children.
     pub(in crate::engine) fn enter<D>(
         &mut self,
         path: PathId,
@@ -47,7 +47,7 @@ impl Places {
         self.lists[(first + child) as usize]
     }
 
-    /// The places of all children of `path`, made at the first call.
+    /// The places of all children of `path`, allocated at the first call.
     pub(in crate::engine) fn children<D>(
         &mut self,
         path: PathId,
@@ -70,7 +70,7 @@ impl Places {
         first
     }
 
-    /// The place where a state begins to stand: a new one, unless a state of this id stood there before.
+    /// The place of a state below `parent`: that of a former state with its id, otherwise a new one.
     fn stand<D>(&mut self, parent: PathId, node: NodeId, program: &Program<D>) -> PathId {
         if !self.former.is_empty() {
             let key = (parent, program.node(node).id().clone());
@@ -83,7 +83,7 @@ impl Places {
         PathId(length(&self.all) - 1)
     }
 
-    /// The program is another one now. Where a state of the same id still stands, its place keeps its number.
+    /// Updates the places for a changed program. A place whose state id still exists keeps its number.
     pub(in crate::engine) fn change<D>(&mut self, program: &Program<D>) {
         let had_children: Vec<_> = self.all.iter().map(|place| place.children.is_some()).collect();
         for path in (1..length(&self.all)).map(PathId) {
@@ -104,7 +104,7 @@ impl Places {
         Some((place.parent?, program.node(place.node).id().clone()))
     }
 
-    /// Whether a state of the program stands there.
+    /// True if a state of the program has this place.
     fn stands<D>(&self, path: PathId, program: &Program<D>) -> bool {
         self.key(path, program).is_none_or(|key| self.former.get(&key) != Some(&path))
     }
@@ -128,7 +128,7 @@ impl Places {
         self.lists.get(place.children? as usize + index).copied()
     }
 
-    /// Ids from the root down.
+    /// The ids from the root down to this place.
     pub(in crate::engine) fn text<D>(&self, path: PathId, program: &Program<D>) -> StatePath {
         let mut ids = Vec::new();
         let mut next = Some(path);

@@ -1,4 +1,4 @@
-//! Why an input was not taken.
+//! Reasons why an input is refused.
 
 use crate::FrameId;
 use crate::program::UnknownPath;
@@ -7,61 +7,61 @@ use smol_str::SmolStr;
 use std::fmt;
 use thiserror::Error;
 
-/// Where a run stands.
+/// The status of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Status {
-    /// Not started.
+    /// The run has not started.
     Idle,
-    /// Running.
+    /// The run continues by itself.
     Running,
     /// Hierarchies are held before their next child.
     Paused,
-    /// The same, on one branch at least, and each command to step lets them do one.
+    /// At least one branch goes step by step: it is held before each child until a command releases it.
     Stepping,
-    /// Asked to stop; what is active unwinds.
+    /// The run was asked to stop, and its active states unwind.
     Stopping,
-    /// Over.
+    /// The run is over.
     Finished,
 }
 
-/// A command without what it carries.
+/// A command without its arguments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
-    /// [`crate::Input::Start`]
+    /// Starts the run: [`crate::Input::Start`].
     Start,
-    /// [`crate::Input::Pause`]
+    /// Pauses the run: [`crate::Input::Pause`].
     Pause,
-    /// [`crate::Input::Resume`]
+    /// Resumes held branches: [`crate::Input::Resume`].
     Resume,
-    /// [`crate::Input::Stop`]
+    /// Stops the run: [`crate::Input::Stop`].
     Stop,
-    /// [`crate::Input::StepMode`]
+    /// Begins step mode: [`crate::Input::StepMode`].
     StepMode,
-    /// [`crate::Input::Step`]
+    /// Makes one step: [`crate::Input::Step`].
     Step,
-    /// [`crate::Input::RunTo`]
+    /// Runs to a state: [`crate::Input::RunTo`].
     RunTo,
-    /// [`crate::Input::Force`]
+    /// Forces an outcome: [`crate::Input::Force`].
     Force,
-    /// [`crate::Input::Preempt`]
+    /// Preempts a state: [`crate::Input::Preempt`].
     Preempt,
-    /// [`crate::Input::Break`]
+    /// Sets a breakpoint: [`crate::Input::Break`].
     Break,
-    /// [`crate::Input::Unbreak`]
+    /// Removes a breakpoint: [`crate::Input::Unbreak`].
     Unbreak,
-    /// [`crate::Input::Attended`]
+    /// Reports connected viewers: [`crate::Input::Attended`].
     Attended,
-    /// [`crate::Input::Silence`]
+    /// Reports the ground's silence: [`crate::Input::Silence`].
     Silence,
-    /// [`crate::Input::Restore`]
+    /// Restores a moment: [`crate::Input::Restore`].
     Restore,
-    /// [`crate::Input::Recover`]
+    /// Recovers interrupted scripts: [`crate::Input::Recover`].
     Recover,
-    /// [`crate::Input::Change`]
+    /// Changes the program: [`crate::Input::Change`].
     Change,
 }
 
-/// An input that changed nothing.
+/// The reason why an input was refused. A refused input changes nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum Refusal {
     /// The engine failed at an earlier input.
@@ -69,29 +69,29 @@ pub enum Refusal {
         "the engine of this run failed inside RAFCON itself, and the run ends; please report it"
     )]
     Broken,
-    /// The command means nothing in this status.
+    /// The command is not legal in this status.
     #[error("cannot {command}: the run {status}; {}", way_out(*status))]
     NotNow {
-        /// What was asked for.
+        /// The command that was refused.
         command: Command,
-        /// Where the run stands.
+        /// The current status of the run.
         status: Status,
     },
-    /// The run keeps nothing to step back.
+    /// The run keeps no undo log.
     #[error("this run keeps no history to step back in; start a run that keeps one")]
     NoHistory,
-    /// There is nothing before.
+    /// The run is at its beginning, with no earlier step.
     #[error("'{path}' is held at its beginning, and nothing comes before; step forwards")]
     AtStart {
-        /// What is held.
+        /// The state that is held at its beginning.
         path: StatePath,
     },
-    /// The data of the steps before was dropped.
+    /// The data of the earlier steps was dropped.
     #[error(
         "cannot step back in '{path}': its data is lost, because it is too long ago, its states have changed since, or the run was resumed after it; start again at a moment of the history"
     )]
     TooFarBack {
-        /// Where.
+        /// The state whose earlier steps were dropped.
         path: StatePath,
     },
     /// A script runs, and the command would end it without a result.
@@ -99,19 +99,19 @@ pub enum Refusal {
         "cannot {command}: the script of '{path}' runs; hold the run and wait for its end, or preempt it"
     )]
     StillRuns {
-        /// What was asked for.
+        /// The command that was refused.
         command: Command,
-        /// Where the script runs.
+        /// The state whose script runs.
         path: StatePath,
     },
-    /// What is to be restored does not fit the machine.
+    /// The configuration to be restored does not fit the machine.
     #[error(
         "cannot restore the run there: '{path}' {problem}; choose another moment, or undo the change of the machine"
     )]
     CannotRestore {
         /// The state that does not fit.
         path: StatePath,
-        /// Why.
+        /// A description of the misfit.
         problem: SmolStr,
     },
     /// A change of the machine would remove or alter an active state.
@@ -119,26 +119,26 @@ pub enum Refusal {
         "cannot change the machine now: '{path}' {touch}; let the change wait until the state has ended, or stop the run"
     )]
     Touches {
-        /// The state.
+        /// The active state that the change affects.
         path: StatePath,
-        /// What would become of it.
+        /// The effect on that state.
         touch: ChangeEffect,
     },
-    /// No interrupted script waits there.
+    /// No interrupted script waits at the given place.
     #[error("no script that a crash interrupted waits {}", there(path.as_ref()))]
     NotInterrupted {
-        /// Where; anywhere if there is none.
+        /// The place in the command; `None` for the whole run.
         path: Option<StatePath>,
     },
-    /// A condition is being evaluated, and the answer would come too late.
+    /// A condition is being evaluated, and its result would come too late.
     #[error("cannot {command}: condition {check} is being evaluated; wait for its answer")]
     StillChecks {
-        /// What was asked for.
+        /// The command that was refused.
         command: Command,
         /// The number of the check.
         check: u64,
     },
-    /// There is no such state.
+    /// No state has this path.
     #[error(transparent)]
     UnknownPath(#[from] UnknownPath),
     /// A value was given for a port that the start does not reach.
@@ -146,15 +146,15 @@ pub enum Refusal {
         "cannot start with a value for '{name}' of '{path}': values are for input ports and scoped variables of the state that is begun at, and of those around it"
     )]
     NoPlaceFor {
-        /// The state.
+        /// The state in the start value's path.
         path: StatePath,
         /// The name of the port or scoped variable.
         name: SmolStr,
     },
-    /// Nothing is held that a step could let continue.
+    /// No branch is held that a step could release.
     #[error("nothing is held {}; wait until a branch comes to its next state", on(branch.as_ref()))]
     NothingHeld {
-        /// The branch; all of them if there is none.
+        /// The branch in the command; `None` for all branches.
         branch: Option<StatePath>,
     },
     /// A path does not name an active branch.
@@ -162,49 +162,49 @@ pub enum Refusal {
         "'{path}' is not an active branch; a branch is named by an active child of a concurrency state"
     )]
     NoSuchBranch {
-        /// What was named.
+        /// The path in the command.
         path: StatePath,
     },
     /// A state has no such outcome.
     #[error("'{path}' has no outcome {}; choose one of its outcomes", outcome.0)]
     NoSuchOutcome {
-        /// The state.
+        /// The state in the command.
         path: StatePath,
-        /// What was chosen.
+        /// The outcome in the command.
         outcome: OutcomeId,
     },
-    /// A state continues by itself.
+    /// The state continues by itself, so its outcome cannot be forced.
     #[error("cannot force an outcome of '{path}': {reason}")]
     CannotForce {
-        /// The state.
+        /// The state in the command.
         path: StatePath,
-        /// What it does, and the way out.
+        /// The state's current activity, and the remedy.
         reason: &'static str,
     },
-    /// A state is not active.
+    /// The state is not active.
     #[error("'{path}' is not active; the snapshot lists what is")]
     NotActive {
-        /// The state.
+        /// The state in the command.
         path: StatePath,
     },
-    /// There is no breakpoint with this id.
+    /// No breakpoint has this id.
     #[error("there is no breakpoint {id}; the snapshot lists all breakpoints")]
     NoSuchBreakpoint {
-        /// The id.
+        /// The id in the command.
         id: u64,
     },
-    /// An answer to a condition that is not being evaluated.
+    /// The result belongs to a condition that is not being evaluated.
     #[error(
         "condition {check} is not being evaluated; its answer is given once, with the number of its check"
     )]
     NoSuchCheck {
-        /// The number.
+        /// The check in the result.
         check: u64,
     },
     /// The result of a script belongs to no script that runs.
     #[error("frame {}.{} runs no script; a result is given once, with the frame of its job", frame.slot, frame.generation)]
     NoSuchFrame {
-        /// The frame that was named.
+        /// The frame in the result.
         frame: FrameId,
     },
 }
@@ -267,20 +267,20 @@ impl fmt::Display for Command {
     }
 }
 
-/// What a change would do to an active state.
+/// Effect of a change on an active state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChangeEffect {
-    /// It would be removed.
+    /// The state would be removed.
     Removed,
-    /// It would be of another kind.
+    /// The state would be of another kind.
     Kind,
-    /// It would have other ports.
+    /// The state would have other ports.
     Ports,
-    /// It would have other outcomes.
+    /// The state would have other outcomes.
     Outcomes,
-    /// It would have other branches.
+    /// The state would have other branches.
     Branches,
-    /// It has just ended, and the outcome by which it did would be gone.
+    /// The state has just ended, and it or the outcome by which it ended would be removed.
     Ended,
 }
 

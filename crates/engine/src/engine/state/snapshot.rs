@@ -1,4 +1,4 @@
-//! What is active right now, for those who look at a run.
+//! A snapshot of the active states, for viewers of a run.
 
 use crate::engine::Engine;
 use crate::engine::state::frames::NONE;
@@ -6,47 +6,47 @@ use crate::engine::state::phase::Phase;
 use crate::engine::state::suspended::SuspendReason;
 use crate::{BranchId, Datum, HeldBy, NodeId, PathId, WaitReason};
 
-/// An active state.
+/// An active state and its activity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ActiveState {
-    /// Where it stands.
+    /// Place of the state.
     pub path: PathId,
-    /// Which state it is.
+    /// The node of the state.
     pub node: NodeId,
-    /// The line of execution that it belongs to.
+    /// The branch on which the state runs.
     pub branch: BranchId,
-    /// What it does.
+    /// Current activity of the state.
     pub activity: Activity,
-    /// Whether it was asked to end.
+    /// True if the state was asked to end.
     pub preempted: bool,
-    /// The place of the child of a concurrency state whose branch it belongs to; `None` on the branch of the root.
+    /// Place of the concurrency state's child whose branch this is; `None` on the branch of the root.
     pub top: Option<PathId>,
-    /// What is held in it: one for a hierarchy or library state that is held, one for each branch of a concurrency state
-    /// that is held before it begins or after it ended.
+    /// Holds in the state. A held hierarchy or library state has one. A concurrency state has one for each branch that
+    /// is held before it begins or after it ended.
     pub holds: Vec<Hold>,
 }
 
-/// Where a state is held between two of its children.
+/// A hold between two children of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hold {
-    /// By what.
+    /// The cause of the hold.
     pub by: HeldBy,
-    /// The state before which it is held, if there is one.
+    /// The state before which the branch is held, if it is known.
     pub next: Option<PathId>,
 }
 
-/// What an active state does.
+/// The activity of an active state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Activity {
-    /// Its script runs.
+    /// The script of the state runs.
     Script,
-    /// States inside it are active.
+    /// States inside this state are active.
     Inside,
-    /// It is held before its next child, or after its last.
+    /// The state is held before its next child, or after its last.
     Held,
-    /// The condition of a breakpoint is being evaluated before its next child, or after its last.
+    /// The condition of a breakpoint is being evaluated before the next child, or after the last.
     Checking,
-    /// It cannot continue until the machine is changed or stopped.
+    /// The state cannot continue until the machine is changed or stopped.
     Waiting(WaitReason),
 }
 
@@ -69,7 +69,7 @@ impl<D: Datum> Engine<D> {
         frames.into_iter().map(active).collect()
     }
 
-    /// What holds the run before its root begins, or after it ended.
+    /// The hold of the run before its root begins, or after it ended.
     pub fn held_outside(&self) -> Option<HeldBy> {
         let outside = self.run.control.holds.iter().find(|hold| hold.spot.is_root());
         outside.and_then(crate::engine::state::suspended::SuspendedBranch::by)

@@ -1,4 +1,4 @@
-//! One call of the engine: everything that follows from one input.
+//! One call of the engine: all effects of one input.
 
 use crate::engine::Run;
 use crate::engine::state::frames::Ended;
@@ -6,22 +6,23 @@ use crate::engine::state::phase::Phase;
 use crate::program::{Body, Concurrency, Inside};
 use crate::{Datum, Event, FrameId, Globals, Level, Note, Outbox, PathId, Program};
 
-/// What is left to do, last in first out. Depth of the machine becomes length of this list, never depth of the stack.
+/// Queued work, last in first out. The depth of the machine becomes the length of this list, never the depth of the
+/// call stack.
 #[derive(Debug)]
 pub(in crate::engine) enum Work<D> {
-    /// Enter a child.
+    /// Enter a child of a frame.
     Enter { parent: u32, child: u32 },
-    /// Look what is next in a container.
+    /// Select the next step of a container.
     Advance(FrameId),
-    /// Go on where something was held.
+    /// Continue after the hold with this number.
     Pass(u64),
-    /// Go a step back.
+    /// Step one frame back.
     Back(Back),
-    /// Leave a library state as its root ended.
+    /// Leave a state with this end.
     Leave { slot: u32, ended: Box<Ended<D>> },
 }
 
-/// The run as it stands: reads, and changes nothing.
+/// Read-only access to the program and the run.
 #[derive(Debug)]
 pub(in crate::engine) struct View<'s, 'r, D> {
     pub(in crate::engine) program: &'s Program<D>,
@@ -36,7 +37,7 @@ impl<D> Clone for View<'_, '_, D> {
 
 impl<D> Copy for View<'_, '_, D> {}
 
-/// The engine at work: what changes the run, and says so in the outbox.
+/// Mutable access to the run during one call. Changes are reported in the outbox.
 pub(in crate::engine) struct Step<'s, D> {
     pub(in crate::engine) program: &'s Program<D>,
     pub(in crate::engine) run: &'s mut Run<D>,
@@ -45,17 +46,17 @@ pub(in crate::engine) struct Step<'s, D> {
 }
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// What only reads.
+    /// A read-only view of the run.
     pub(in crate::engine) fn view(&self) -> View<'s, '_, D> {
         View { program: self.program, run: self.run }
     }
 
-    /// Works until nothing is left.
+    /// Works until the queue is empty.
     pub(in crate::engine) fn work(&mut self) {
         while self.work_once() {}
     }
 
-    /// Does one thing; false if there is none.
+    /// Does the next queued work; false if the queue is empty.
     pub(in crate::engine) fn work_once(&mut self) -> bool {
         let Some(work) = self.run.work.pop() else { return false };
         match work {
@@ -72,7 +73,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.work.push(Work::Advance(self.run.frames.id(slot)));
     }
 
-    /// Looks what is next in a container. Nothing, while a child of it is active.
+    /// Selects the next step of a container. Does nothing while a child of it is active.
     fn advance(&mut self, frame: FrameId) {
         let Some(slot) = self.run.frames.find(frame) else { return };
         if self.view().is_held_anew(slot) {
@@ -108,8 +109,8 @@ impl<'s, D: Datum> View<'s, '_, D> {
         &self.program.node(self.run.frames.get(slot).node).body
     }
 
-    /// Whether a frame that was to look what is next did so before, and is held there: it was asked to end twice in one
-    /// answer. Whatever lets it go takes its hold away first.
+    /// True if the frame already advanced in this call and is held again. That happens if it was asked to end twice in
+    /// one call. A release removes the hold first.
     fn is_held_anew(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
         let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
@@ -118,13 +119,13 @@ impl<'s, D: Datum> View<'s, '_, D> {
     }
 }
 
-/// What goes a step back.
+/// One frame's part in a step back.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::engine) enum Back {
-    /// The last child of a hierarchy or library state is undone, or it is left, if there is none.
+    /// Undo the last child of a hierarchy or library state, or leave the state if it has none.
     Last(FrameId),
-    /// These children of a concurrency state, that ended, are entered backwards.
+    /// Enter these ended children of a concurrency state backwards.
     Branches(FrameId, Vec<u32>),
-    /// A state whose children are all at their start is left.
+    /// Leave a state whose children are all at their start.
     Leave(FrameId),
 }

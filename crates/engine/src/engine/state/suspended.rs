@@ -1,4 +1,5 @@
-//! Where the run stands still between two states, and why. Knows the list, not what a hold does.
+//! The places where the run is suspended between two states, and the reasons. This module keeps the list; it does not
+//! know the effects of a hold.
 
 use crate::engine::state::breakpoints::Breakpoints;
 use crate::engine::state::frames::NONE;
@@ -6,12 +7,12 @@ use crate::{BranchId, Breakpoint, Datum, HeldBy, PathId, Silence, Then, Unattend
 use rafcon_model::{OutcomeId, StatePath};
 use std::sync::Arc;
 
-/// A moment between two states: before or after a child of a frame.
+/// A point between two states: before or after a child of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) struct StopPoint {
-    /// The frame around the child; [`NONE`] for the root.
+    /// Frame around the child; [`NONE`] for the root.
     pub(in crate::engine) parent: u32,
-    /// The index of the child; [`NONE`] at the end of a hierarchy, where no child is next.
+    /// Index of the child; [`NONE`] at the end of a hierarchy, where no child is next.
     pub(in crate::engine) child: u32,
     pub(in crate::engine) when: When,
 }
@@ -34,7 +35,7 @@ impl StopPoint {
     }
 }
 
-/// What a state got and gave that has just been left.
+/// The inputs, outputs and outcome of a state that was just left.
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct LeftState<D> {
     pub(in crate::engine) inputs: Arc<[D]>,
@@ -42,20 +43,20 @@ pub(in crate::engine) struct LeftState<D> {
     pub(in crate::engine) outcome: OutcomeId,
 }
 
-/// The breakpoints of a spot, on the way through them.
+/// The evaluation of a stop point's breakpoints, while it is in progress.
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct BreakpointScan<D> {
     pub(in crate::engine) spot: StopPoint,
     pub(in crate::engine) branch: BranchId,
-    /// Whether a pause and steps hold here too.
+    /// True if a pause and steps also hold here.
     pub(in crate::engine) modes: bool,
-    /// Those that have not been looked at, the next one last.
+    /// Breakpoints that are not yet evaluated, the next one last.
     pub(in crate::engine) rest: Vec<u64>,
-    /// What holds, as far as they have been looked at.
+    /// The hold by the breakpoints evaluated until now.
     pub(in crate::engine) held: Option<HeldBy>,
-    /// Whether one of them stops the run.
+    /// True if a breakpoint stops the run.
     pub(in crate::engine) stops: bool,
-    /// After a state: what it got and gave.
+    /// After a state: its inputs and outputs.
     pub(in crate::engine) was: Option<LeftState<D>>,
 }
 
@@ -97,25 +98,25 @@ impl<D> SuspendedBranch<D> {
     }
 }
 
-/// What could hold a run, and what holds it.
+/// Everything that can hold a run, and the current holds.
 #[derive(Debug)]
 pub(in crate::engine) struct Control<D> {
     pub(in crate::engine) breakpoints: Breakpoints,
-    /// The state that the run is to come to.
+    /// The state that the run continues to.
     pub(in crate::engine) run_to: Option<StatePath>,
     pub(in crate::engine) attended: bool,
-    /// For how long nobody on the ground was heard.
+    /// Duration of the ground's silence.
     pub(in crate::engine) silence: Silence,
-    /// The run was begun in this answer, and is held where it begins.
+    /// True during the call that starts the run, if it is held at its beginning.
     pub(in crate::engine) starting: bool,
-    /// The place that the run was begun at, and what happens once it was left.
+    /// Place at which the run was started, and the action after its end.
     pub(in crate::engine) then: Option<(PathId, Then)>,
-    /// The run stops before its next state.
+    /// True if the run stops before its next state.
     pub(in crate::engine) stop_next: bool,
-    /// The breakpoint by which the run was paused.
+    /// The breakpoint that paused the run.
     pub(in crate::engine) paused_by: Option<u64>,
     pub(in crate::engine) holds: Vec<SuspendedBranch<D>>,
-    /// What was left last, while there are breakpoints.
+    /// The state that was left last, while breakpoints exist.
     pub(in crate::engine) was: Option<LeftState<D>>,
     next_hold: u64,
     next_check: u64,
@@ -139,7 +140,7 @@ impl<D: Datum> Control<D> {
         }
     }
 
-    /// Whether nothing here could hold the run.
+    /// True if nothing here can hold the run.
     pub(in crate::engine) fn is_quiet(&self) -> bool {
         self.breakpoints.is_empty()
             && self.run_to.is_none()
@@ -149,14 +150,14 @@ impl<D: Datum> Control<D> {
             && self.silence.is_over()
     }
 
-    /// What a breakpoint does now: it holds while someone attends to it.
+    /// The current action of a breakpoint. An attended one holds.
     pub(in crate::engine) fn unattended(&self, breakpoint: &Breakpoint) -> Unattended {
         let silent_ms = self.silence.link_ms;
         let is_lost = breakpoint.lost_link_ms.is_some_and(|ms| silent_ms > 0 && silent_ms >= ms);
         if self.attended && !is_lost { Unattended::Hold } else { breakpoint.unattended }
     }
 
-    /// The run begins again: nothing is left of where it was to go.
+    /// Clears the targets and actions of the previous start.
     pub(in crate::engine) fn forget(&mut self) {
         self.run_to = None;
         self.then = None;
@@ -174,7 +175,7 @@ impl<D: Datum> Control<D> {
         self.holds.push(SuspendedBranch { id: self.next_hold, spot, branch, why });
     }
 
-    /// The number of the hold that was put here last.
+    /// The number of the newest hold.
     pub(in crate::engine) fn newest(&self) -> u64 {
         self.next_hold
     }
@@ -189,13 +190,13 @@ impl<D: Datum> Control<D> {
         Some(self.holds.remove(place))
     }
 
-    /// The hold whose condition is being evaluated under this number.
+    /// Removes and returns the hold whose condition has this check number.
     pub(in crate::engine) fn take_check(&mut self, check: u64) -> Option<SuspendedBranch<D>> {
         let place = self.holds.iter().position(|hold| hold.check() == Some(check))?;
         Some(self.holds.remove(place))
     }
 
-    /// Takes away all holds in a frame, in the order of children.
+    /// Removes and returns all holds in a frame, in the order of children.
     pub(in crate::engine) fn take_in(&mut self, parent: u32) -> Vec<SuspendedBranch<D>> {
         let mut taken = Vec::new();
         if self.holds.iter().any(|hold| hold.spot.parent == parent) {

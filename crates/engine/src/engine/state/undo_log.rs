@@ -1,5 +1,4 @@
-//! What states leave behind so that a run can be stepped back. Knows what is kept and how much of it; how it is used stands in
-//! `backward/`.
+//! The data that states leave behind for stepping back: its contents and limits. `backward/` uses it.
 
 use crate::Datum;
 use crate::engine::state::frames::{Children, ConcurrentChild, Frame, Slot};
@@ -8,66 +7,67 @@ use crate::program::Body;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Steps that are kept in a run by default: more than anyone goes back by hand, and few enough that the
-/// values that they hold on to, and the memory that is written for each state, do not matter.
+/// Default limit of the steps kept in a run. It exceeds what anyone undoes by hand. It is low enough that the values
+/// kept, and the memory written for each state, do not matter.
 pub(in crate::engine) const STEPS_MAX: usize = 2_000;
-/// Steps that are kept beyond the limit before the oldest are given up, all at once.
+/// Steps kept beyond the limit before the oldest are dropped, all at once.
 const SLACK: usize = 500;
-/// How deep containers that ended are kept; what is deeper is given up, so that no stack depends on the depth of a machine.
+/// Deepest nesting of ended containers that is kept. Deeper data is dropped, so that no stack depends on the depth of a
+/// machine.
 const DEPTH_MAX: u32 = 200;
 
-/// Values that were replaced, with their slots.
+/// Replaced values with their slots.
 pub(in crate::engine) type ReplacedValues<D> = Vec<(u32, Slot<D>)>;
 
-/// What became of the children of a hierarchy, the oldest first.
+/// The ended children of a hierarchy, the oldest first.
 #[derive(Debug)]
 pub(in crate::engine) struct UndoLog<D> {
     pub(in crate::engine) entries: VecDeque<UndoEntry<D>>,
-    /// The values that children replaced, with their slots, for all entries one after the other.
+    /// The values that children replaced, with their slots, for all entries in sequence.
     pub(in crate::engine) undo: VecDeque<(u32, Slot<D>)>,
-    /// Older entries were dropped.
+    /// True if older entries were dropped.
     pub(in crate::engine) lost: bool,
-    /// Values that children replace are kept.
+    /// True if replaced values are recorded.
     pub(in crate::engine) logs: bool,
-    /// The last child is active backwards.
+    /// True while the last child is being undone.
     pub(in crate::engine) undoing: bool,
-    /// All steps in it, with those inside of containers.
+    /// Number of steps in the log, including those inside containers.
     weight: usize,
     depth: u32,
 }
 
-/// One child that ended, and how the hierarchy stood before it began.
+/// An ended child of a hierarchy, and the hierarchy's state before it began.
 #[derive(Debug)]
 pub(in crate::engine) struct UndoEntry<D> {
     pub(in crate::engine) child: u32,
     pub(in crate::engine) run: EndedRun<D>,
     pub(in crate::engine) last: Option<(u32, u32)>,
-    /// The error that was handed to the child.
+    /// The error that was passed to the child.
     pub(in crate::engine) error: Option<Box<D>>,
-    /// How many values it replaced.
+    /// Number of values that the child replaced.
     pub(in crate::engine) replaced: usize,
 }
 
-/// A run of a state that ended.
+/// An ended run of a state.
 #[derive(Debug)]
 pub(in crate::engine) struct EndedRun<D> {
-    /// The number of its entry; 0 if it was skipped.
+    /// Number of its entry; 0 if the state was skipped.
     pub(in crate::engine) entry: u64,
     pub(in crate::engine) outcome: u32,
     pub(in crate::engine) kept: Kept<D>,
 }
 
-/// What was in a state when it ended.
+/// Data of an ended state.
 #[derive(Debug)]
 pub(in crate::engine) enum Kept<D> {
-    /// It was a script, or was skipped.
+    /// The state was a script, or was skipped.
     Nothing,
     Inner(Box<EndedContainerData<D>>),
-    /// It was dropped.
+    /// The data was dropped.
     Lost,
 }
 
-/// The data of a container that ended, as it was then.
+/// The data of an ended container, at its end.
 #[derive(Debug)]
 pub(in crate::engine) struct EndedContainerData<D> {
     pub(in crate::engine) inputs: Arc<[D]>,
@@ -101,7 +101,7 @@ impl<D> UndoLog<D> {
         self.entries.push_back(entry);
     }
 
-    /// The last child ended once more; it replaced so many values more.
+    /// Replaces the last child's run, which ended again, and adds the number of values that it replaced.
     pub(in crate::engine) fn renew(&mut self, run: EndedRun<D>, replaced: usize) {
         let Some(mut entry) = self.entries.pop_back() else { return };
         self.weight -= entry.run.weight();
@@ -110,14 +110,14 @@ impl<D> UndoLog<D> {
         self.push(entry);
     }
 
-    /// Takes out what the last child left behind; its place stays.
+    /// Takes the run of the last child; its entry remains.
     pub(in crate::engine) fn take_run(&mut self) -> Option<(u32, EndedRun<D>)> {
         let entry = self.entries.back_mut()?;
         self.weight -= entry.run.weight() - 1;
         Some((entry.child, entry.run.take()))
     }
 
-    /// Takes away the last entry, with the values that its child replaced, the last one first.
+    /// Removes the last entry and returns it with the values that its child replaced, the newest first.
     pub(in crate::engine) fn pop(&mut self) -> Option<(UndoEntry<D>, ReplacedValues<D>)> {
         let entry = self.entries.pop_back()?;
         self.weight -= entry.run.weight();
@@ -126,7 +126,7 @@ impl<D> UndoLog<D> {
         Some((entry, values))
     }
 
-    /// Whether what is counted is there.
+    /// True if the counters match the contents.
     pub(in crate::engine) fn adds_up(&self) -> bool {
         let weight: usize = self.entries.iter().map(|entry| entry.run.weight()).sum();
         let replaced: usize = self.entries.iter().map(|entry| entry.replaced).sum();
@@ -138,7 +138,7 @@ impl<D> UndoLog<D> {
         weight == self.weight && replaced <= self.undo.len() && inner.all(|inner| inner)
     }
 
-    /// Gives up the oldest entries until this many steps are gone, or nothing is left.
+    /// Drops the oldest entries until this many steps are removed, or the log is empty. Returns the number removed.
     fn shorten(&mut self, steps: usize) -> usize {
         let before = self.weight;
         while before - self.weight < steps {
@@ -152,12 +152,12 @@ impl<D> UndoLog<D> {
 }
 
 impl<D> EndedRun<D> {
-    /// Of a state that was passed without being entered.
+    /// The run of a skipped state.
     pub(in crate::engine) fn skipped(outcome: u32) -> Self {
         Self { entry: 0, outcome, kept: Kept::Nothing }
     }
 
-    /// Of a state that ended before the run was resumed.
+    /// The run of a state that ended before the run was resumed.
     pub(in crate::engine) fn unknown(outcome: u32) -> Self {
         Self { entry: 0, outcome, kept: Kept::Lost }
     }
@@ -180,7 +180,7 @@ impl<D> EndedRun<D> {
         matches!(self.kept, Kept::Lost)
     }
 
-    /// Moves everything out that is heavy.
+    /// Moves the kept data out.
     fn take(&mut self) -> Self {
         let kept = std::mem::replace(&mut self.kept, Kept::Nothing);
         Self { entry: self.entry, outcome: self.outcome, kept }
@@ -188,7 +188,7 @@ impl<D> EndedRun<D> {
 }
 
 impl<D> Children<D> {
-    /// What those that ended left behind, other than in the undo log of a hierarchy.
+    /// The runs of ended children, without those in the undo log of a hierarchy.
     fn runs(&self) -> impl Iterator<Item = &EndedRun<D>> {
         let (one, many): (Option<&EndedRun<D>>, &[ConcurrentChild<D>]) = match self {
             Self::None | Self::Hierarchy(_) => (None, &[]),
@@ -207,7 +207,7 @@ impl<D> Children<D> {
         one.into_iter().chain(many.iter_mut().filter_map(|child| child.run.as_mut()))
     }
 
-    /// Steps kept in them.
+    /// The number of steps kept in the children.
     fn weight(&self) -> usize {
         let logged = self.in_turn().map_or(0, |children| children.undo_log.weight);
         logged + self.runs().map(EndedRun::weight).sum::<usize>()
@@ -218,7 +218,7 @@ impl<D> Children<D> {
         self.runs().map(EndedRun::depth).fold(logged, u32::max)
     }
 
-    /// Whether it is known what all of them did: not what they did before the run was restored.
+    /// True if everything the children did is known; false for what they did before the run was restored.
     fn are_known(&self) -> bool {
         let is_undoable = self.side_by_side().is_none_or(|children| children.base.is_some());
         is_undoable && !self.runs().any(EndedRun::is_lost)
@@ -226,7 +226,7 @@ impl<D> Children<D> {
 }
 
 impl<D> Frame<D> {
-    /// Takes what is in the frame of a container that ends.
+    /// Takes the data of a container that ends.
     fn take_inner(&mut self) -> EndedContainerData<D> {
         let children = std::mem::replace(&mut self.children, Children::None);
         EndedContainerData {
@@ -243,7 +243,7 @@ impl<D> Frame<D> {
 }
 
 impl<D: Datum> Step<'_, D> {
-    /// What a state that ends leaves behind; nothing, if the run is not to be stepped back.
+    /// The data that an ending state leaves behind; `None` if the run keeps no undo log.
     pub(in crate::engine) fn ended_run(&mut self, slot: u32, outcome: u32) -> Option<EndedRun<D>> {
         if !self.view().keeps_undo_log() {
             return None;
@@ -266,7 +266,7 @@ impl<D: Datum> Step<'_, D> {
         Some(EndedRun { entry, outcome, kept })
     }
 
-    /// Notes that a child of a hierarchy ended, which replaced all values from `first` on.
+    /// Logs the end of a hierarchy's child, which replaced all values from `first` on.
     pub(in crate::engine) fn log_end(
         &mut self,
         slot: u32,
@@ -289,7 +289,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Gives up the oldest steps, those of the outermost states first.
+    /// Drops the oldest steps, those of the outermost states first.
     fn shorten_undo_logs(&mut self) {
         let active = self.view().active();
         let weights = active.iter().map(|&slot| self.run.frames.get(slot).children.weight());

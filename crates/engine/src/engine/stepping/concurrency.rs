@@ -1,4 +1,4 @@
-//! Concurrency states: how branches begin and end, a barrier's decider, and the race of a preemptive state.
+//! Concurrency states: the begin and end of branches, a barrier's decider, and the race of a preemptive state.
 
 use crate::engine::state::frames::{ChildrenSideBySide, Ended};
 use crate::engine::state::phase::{Cause, Phase};
@@ -19,7 +19,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.begin(seed, child, None);
     }
 
-    /// A child ended. The outputs of a barrier's children are taken at once, so that of two the later one wins.
+    /// Records the end of a child. Outputs of a barrier's children are stored at once, so that the later of two values
+    /// wins.
     pub(in crate::engine) fn branch_ended(
         &mut self,
         slot: u32,
@@ -39,7 +40,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// A child that ended counts from now on.
+    /// Counts an ended child, and ends its branch.
     pub(in crate::engine) fn branch_done(&mut self, slot: u32, child: u32, branch: BranchId) {
         self.end_branch(slot, branch);
         match self.view().body(slot) {
@@ -49,7 +50,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// A child that was held before it began never begins.
+    /// Ends the branch of a child that was held before it began and now never begins.
     pub(in crate::engine) fn branch_never_begins(&mut self, slot: u32, branch: BranchId) {
         self.end_branch(slot, branch);
         self.wake(&[slot], Cause::ChildEnded);
@@ -73,7 +74,7 @@ pub(in crate::engine) fn all_but_decider<D>(
 }
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// The decider ended.
+    /// Records the end of the decider.
     pub(in crate::engine) fn decider_ended(
         &mut self,
         slot: u32,
@@ -92,7 +93,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.wake(&[slot], Cause::ChildEnded);
     }
 
-    /// All children have ended: the decider, unless the barrier was preempted; after the decider, its transition.
+    /// Continues a barrier whose children have ended: with the decider, unless the barrier was preempted; after the
+    /// decider, with its transition.
     pub(in crate::engine) fn advance_barrier(
         &mut self,
         slot: u32,
@@ -121,7 +123,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The transition of the child that decides (decider or winner) says how the concurrency state ends.
+    /// Ends the concurrency state by the transition of its decider or winner.
     pub(in crate::engine) fn conclude(&mut self, slot: u32, inside: &'s Inside<D>) {
         let last = self.run.frames.get(slot).last;
         match last.map(|(child, outcome)| self.view().exit(inside, child, outcome)) {
@@ -132,7 +134,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// How the children of a barrier ended, for its decider.
+    /// The ends of a barrier's children, for its decider.
     pub(in crate::engine) fn verdicts(&self, slot: u32, inside: &Inside<D>) -> Verdicts<D> {
         let verdict = |(child, ended): (u32, &Ended<D>)| {
             let node = self.program.node(inside.child(child));
@@ -152,7 +154,7 @@ impl<D: Datum> View<'_, '_, D> {
 }
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// A child is done; the first one wins.
+    /// Counts the end of a racer; the first one wins.
     pub(in crate::engine) fn racer_done(&mut self, slot: u32, child: u32) {
         let frame = self.run.frames.get_mut(slot);
         let Some(children) = frame.children.side_by_side_mut() else { return };
@@ -165,7 +167,8 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// All children have ended: their outputs in the order of children, those of the winner last; then its transition.
+    /// Continues a race whose children have ended: stores their outputs in order, those of the winner last, and follows
+    /// the winner's transition.
     pub(in crate::engine) fn advance_preemptive(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
         if let Some(winner) = frame.children.winner().filter(|_| frame.last.is_none()) {
@@ -185,7 +188,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Stores what a child gave that ended.
+    /// Stores the outputs of an ended child and returns its end.
     pub(in crate::engine) fn store_end(
         &mut self,
         slot: u32,

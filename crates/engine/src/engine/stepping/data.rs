@@ -1,4 +1,4 @@
-//! Values on their way: into states, into containers, out of containers.
+//! Data flow: into states, into containers, out of containers.
 
 use crate::engine::state::frames::{Children, Ended, Slot};
 use crate::engine::state::step::Step;
@@ -8,7 +8,7 @@ use rafcon_model::{Answer, DataType, Port};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// The newest value among the slots that `wanted` agrees to.
+/// The newest value in these slots that the predicate accepts.
 fn newest<'v, D>(
     slots: &'v [Slot<D>],
     among: &[u32],
@@ -25,8 +25,8 @@ fn newest<'v, D>(
 }
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// The inputs of a child: for each port the newest value that flows into it and is not `None`, else its default; and
-    /// the error of the state before in a port with the name `error`.
+    /// The inputs of a child. Each port gets the newest value that flows into it and is not `None`, otherwise its
+    /// default. A port named `error` gets the error of the previous state.
     pub(in crate::engine) fn child_inputs(
         &mut self,
         parent: u32,
@@ -45,7 +45,7 @@ impl<'s, D: Datum> Step<'s, D> {
         inputs(node, path, (self.globals, &mut self.out.events), flowing)
     }
 
-    /// The default inputs of a state, or what `given` says for a port.
+    /// The inputs of a state without data flows: the values of `given`, otherwise the defaults.
     pub(in crate::engine) fn default_inputs(
         &mut self,
         node: &'s Node<D>,
@@ -55,7 +55,7 @@ impl<'s, D: Datum> Step<'s, D> {
         inputs(node, path, (self.globals, &mut self.out.events), given)
     }
 
-    /// The values that a container begins with: its inputs, then its scoped variables, into which inputs may flow.
+    /// Stores the initial values of a container: its inputs, then its scoped variables, into which inputs may flow.
     pub(in crate::engine) fn fill(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
         frame.slots.resize(inside.slots as usize, Slot { sequence: 0, value: None });
@@ -76,7 +76,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.give_scoped(slot, inside);
     }
 
-    /// Puts the outputs of a child that ended where they flow.
+    /// Stores the outputs of an ended child where they flow.
     pub(in crate::engine) fn store_outputs(
         &mut self,
         slot: u32,
@@ -98,7 +98,7 @@ impl<'s, D: Datum> Step<'s, D> {
         if wires.is_empty() {
             return;
         }
-        // Ports before scoped variables, so that of what one state gave the scoped variable is the newer.
+        // Ports come before scoped variables, so that the variable has the newer of two values from one state.
         let node = self.program.node(self.run.frames.get(slot).node);
         let variables = index(node.inputs.len())..index(node.inputs.len() + inside.scoped.len());
         for to_variables in [false, true] {
@@ -140,7 +140,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.out.events.push(Event::Scoped { path, port: scoped.port.id, value: value.clone() });
     }
 
-    /// The outputs of a container: for each port the newest value that flows into it, `None` too, else its default.
+    /// The outputs of a container. Each port has the newest value that flows into it, including `None`, otherwise its
+    /// default.
     pub(in crate::engine) fn container_outputs(
         &mut self,
         slot: u32,
@@ -160,7 +161,7 @@ impl<'s, D: Datum> Step<'s, D> {
         outputs.iter().enumerate().map(value).collect()
     }
 
-    /// Notes every input that does not fit the type of its port.
+    /// Reports every input that does not fit the type of its port.
     pub(in crate::engine) fn check_inputs(
         &mut self,
         path: PathId,
@@ -170,7 +171,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.check(path, node.input_checks, values, || node.inputs());
     }
 
-    /// Notes every output that does not fit the type of its port.
+    /// Reports every output that does not fit the type of its port.
     pub(in crate::engine) fn check_outputs(
         &mut self,
         path: PathId,
@@ -180,7 +181,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.check(path, node.output_checks, values, || node.outputs());
     }
 
-    /// Looks at the ports only when it has something to say about them.
+    /// Fetches the ports only if a value is a misfit.
     fn check(
         &mut self,
         path: PathId,
@@ -211,7 +212,7 @@ fn mismatch<D: Datum>(port: &Port, value: &D) -> Note {
     }
 }
 
-/// For each input of a state what `given` says, else its default.
+/// The inputs of a state: the values of `given`, otherwise the defaults.
 fn inputs<D: Datum>(
     node: &Node<D>,
     path: PathId,
@@ -230,7 +231,7 @@ fn inputs<D: Datum>(
     node.inputs.iter().enumerate().map(value).collect()
 }
 
-/// Why a port has no default.
+/// A reason why a port has no default.
 enum Problem<'p> {
     NoGlobal(&'p SmolStr),
     Bad(&'p SmolStr),
@@ -248,7 +249,7 @@ impl Problem<'_> {
     }
 }
 
-/// The value of a port when nothing flows into it.
+/// The value of a port without a data flow.
 fn default<'p, D: Datum>(
     initial: &'p Initial<D>,
     globals: &dyn Globals<D>,

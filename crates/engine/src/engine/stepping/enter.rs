@@ -1,4 +1,4 @@
-//! Entering a state: its frame, its data, and what it does first.
+//! Enters a state: creates its frame, collects its data and begins its first work.
 
 use crate::engine::state::frames::{Children, NONE, Seed};
 use crate::engine::state::phase::Phase;
@@ -34,7 +34,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.begin(seed, 0, None);
     }
 
-    /// What the start gave replaces defaults of the root's inputs.
+    /// The root's inputs: values from the start, otherwise defaults.
     pub(in crate::engine) fn root_inputs(&mut self) -> Arc<[D]> {
         let (node, path) = (self.program.node(Program::<D>::ROOT), PathId(0));
         let (ports, given) = (node.inputs(), self.run.inputs.clone());
@@ -90,7 +90,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.begin(seed, child, Some(Arc::new(verdicts)));
     }
 
-    /// A new branch goes step by step if its parent does, and no step over something around it is under way.
+    /// Begins a branch. It goes step by step if its parent does, unless a step over a state around it is in progress.
     pub(in crate::engine) fn fork(&mut self, parent: u32) -> BranchId {
         let frame = self.run.frames.get(parent);
         let steps = self.run.branches.steps(frame.branch)
@@ -100,7 +100,7 @@ impl<'s, D: Datum> Step<'s, D> {
         branch
     }
 
-    /// What the frame of a child begins with, its data gathered from the parent.
+    /// The initial contents of a child's frame, with data from the parent.
     pub(in crate::engine) fn seed(
         &mut self,
         parent: u32,
@@ -141,7 +141,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.frames.get_mut(parent).children.set_active(child, Some(slot));
     }
 
-    /// Enters the child with this index. It is in the tree of frames before it does anything, so that a request to end
+    /// Enters the child with this index. Its frame joins the tree before it does anything, so that a request to end
     /// reaches it.
     pub(in crate::engine) fn begin(
         &mut self,
@@ -232,7 +232,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// How far along the start path a child is, if it is on it and entered first.
+    /// Depth on the start path of a child that is on it and is entered first.
     pub(in crate::engine) fn start_depth(&self, parent: u32, child: u32) -> Option<u32> {
         let frame = self.run.frames.get(parent);
         let depth = frame.start_depth.filter(|_| frame.last.is_none())?;

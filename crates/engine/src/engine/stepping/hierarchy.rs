@@ -1,4 +1,4 @@
-//! Hierarchy states: one child after the other, as transitions say.
+//! Hierarchy states: they run one child after the other and follow transitions.
 
 use crate::engine::state::frames::Ended;
 use crate::engine::state::phase::{Cause, Phase};
@@ -22,7 +22,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Whether nothing holds a container behind the child that was left last.
+    /// True if nothing holds the container after the child that ended last.
     pub(in crate::engine) fn passes_end(&mut self, slot: u32) -> bool {
         let frame = self.run.frames.get_mut(slot);
         let (branch, last) = (frame.branch, frame.last);
@@ -32,8 +32,8 @@ impl<'s, D: Datum> Step<'s, D> {
         last.is_none_or(|(child, _)| self.passes(StopPoint::after(slot, child), branch))
     }
 
-    /// The next child, unless the hierarchy was preempted (only a handler, behind the outcome preempted, runs then, and
-    /// none after a second stop) or is held.
+    /// Enters the next child, unless the hierarchy is held or preempted. After a preemption only a handler runs, which
+    /// follows the outcome *preempted*; after a second stop, not even that.
     fn go_to(&mut self, slot: u32, inside: &'s Inside<D>, child: u32) {
         let frame = self.run.frames.get_mut(slot);
         let is_handler = frame.last.is_some_and(|(_, outcome)| outcome == PREEMPTED);
@@ -46,7 +46,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Whether nothing holds a frame before this child. Where it was let go, nothing does again.
+    /// True if nothing holds the frame before this child. A hold that was released there does not apply again.
     pub(in crate::engine) fn passes_to(
         &mut self,
         slot: u32,
@@ -61,7 +61,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// There is no transition: aborted and preempted go up, anything else waits.
+    /// Handles an outcome without a transition: *aborted* and *preempted* propagate, any other outcome waits.
     pub(in crate::engine) fn nowhere(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
         match frame.last {
@@ -86,7 +86,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// A child of a hierarchy ended.
+    /// Records the end of a hierarchy's child.
     pub(in crate::engine) fn child_of_hierarchy_ended(
         &mut self,
         slot: u32,
@@ -112,8 +112,8 @@ impl<'s, D: Datum> Step<'s, D> {
         self.wake(&[slot], Cause::ChildEnded);
     }
 
-    /// Whether more children ended within one answer than there are ways for a child to end: then no script runs between
-    /// them, nothing can ever change, and the circle would continue for good.
+    /// True if more children ended in one call than the children have outcomes. Then no script runs between them,
+    /// nothing can change, and the circle would never end.
     fn runs_in_a_circle(&mut self, slot: u32, inside: &Inside<D>) -> bool {
         let Some(children) = self.run.frames.get_mut(slot).children.in_turn_mut() else {
             return false;
@@ -127,7 +127,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// Where a hierarchy goes now.
+    /// The exit that a hierarchy takes now.
     pub(in crate::engine) fn next_exit(&self, slot: u32, inside: &Inside<D>) -> Exit {
         let frame = self.run.frames.get(slot);
         match (frame.last, self.leads_to(slot)) {
@@ -137,7 +137,7 @@ impl<D: Datum> View<'_, '_, D> {
         }
     }
 
-    /// The child of a hierarchy that comes next.
+    /// The next child of a hierarchy.
     pub(in crate::engine) fn upcoming(&self, slot: u32) -> Option<u32> {
         let Body::Hierarchy(inside) = self.body(slot) else { return None };
         match self.next_exit(slot, inside) {

@@ -1,4 +1,4 @@
-//! Leaving a state: its end, and what the state around it does about it.
+//! Leaves a state, and continues the state around it.
 
 use crate::engine::state::frames::{Ended, NONE};
 use crate::engine::state::phase::{Cause, Reaction, react};
@@ -15,7 +15,7 @@ use smol_str::{SmolStr, format_smolstr};
 use std::sync::Arc;
 
 impl<'s, D: Datum> Step<'s, D> {
-    /// A script ended.
+    /// Accepts the result of a script.
     pub(in crate::engine) fn script_ended(
         &mut self,
         id: FrameId,
@@ -38,7 +38,8 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// Which outcome a script meant. Preempted goes before whatever it returned, an exception before that.
+    /// The outcome that a script meant. An exception takes precedence over a preemption, and that over the returned
+    /// value.
     fn outcome(
         &mut self,
         node: &Node<D>,
@@ -62,7 +63,7 @@ impl<'s, D: Datum> Step<'s, D> {
         })
     }
 
-    /// A container aborts before anything in it runs, if something in it cannot be made.
+    /// Aborts a container before anything in it runs, if part of it cannot be created.
     pub(in crate::engine) fn fails_to_begin(&mut self, slot: u32, inside: &'s Inside<D>) -> bool {
         let Some(fault) = &inside.fault else { return false };
         let frame = self.run.frames.get_mut(slot);
@@ -76,7 +77,7 @@ impl<'s, D: Datum> Step<'s, D> {
         true
     }
 
-    /// A container ends with this outcome, or preempted if it was asked to end.
+    /// Ends a container with this outcome, or with *preempted* if it was asked to end.
     pub(in crate::engine) fn leave_container(
         &mut self,
         slot: u32,
@@ -104,7 +105,7 @@ impl<'s, D: Datum> Step<'s, D> {
         Ended { outcome, outputs, absent: Vec::new(), error: frame.last_error.take() }
     }
 
-    /// The end of a frame.
+    /// Ends a frame and reports its end.
     pub(in crate::engine) fn leave(&mut self, slot: u32, ended: Ended<D>) {
         let frame = self.run.frames.get(slot);
         let (node, path, parent) = (frame.node, frame.path, frame.parent);
@@ -148,7 +149,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The root ended, and with it the run, unless that is held.
+    /// Ends the run with its root, unless it is held there.
     fn root_ended(&mut self, slot: u32, node: &'s Node<D>, ended: Ended<D>) {
         let outcome = node.outcome_at(ended.outcome);
         let names = node.outputs().iter().map(|port| port.name.clone());
@@ -169,7 +170,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The end of the run; of one that was stopped before its root began, *preempted*.
+    /// Finishes the run. A run that was stopped before its root began ends with *preempted*.
     pub(in crate::engine) fn finish(&mut self) {
         let finish = self.run.finish.take();
         let finish = finish.map_or_else(|| self.view().unbegun(PREEMPTED), |finish| *finish);
@@ -179,7 +180,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.out.effects.push(Effect::Finish(finish));
     }
 
-    /// What breakpoints behind a state may ask for, and what follows from the end of the state that the run was begun at.
+    /// Records data for breakpoints after a state, and applies the action after the end of the start state.
     fn note_left(&mut self, slot: u32, outcome: OutcomeId, ended: &Ended<D>) {
         let frame = self.run.frames.get(slot);
         let control = &mut self.run.control;
@@ -233,7 +234,7 @@ fn shown(returned: &Returned) -> SmolStr {
     }
 }
 
-/// The end of a script; outputs that are missing flow nowhere.
+/// The end of a script. Missing outputs flow nowhere.
 pub(in crate::engine) fn ended<D: Datum>(
     node: &Node<D>,
     outcome: u32,

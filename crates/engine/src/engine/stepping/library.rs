@@ -1,4 +1,4 @@
-//! Library states: a frame for the state and one for the root of its content, which share data and fate.
+//! Library states: one frame for the state and one for the root of its content. Both have equal data and outcome.
 
 use crate::engine::state::frames::{Ended, Seed};
 use crate::engine::state::phase::{Cause, Phase};
@@ -34,7 +34,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// Goes on where a library state was held: before its root, or after it.
+    /// Continues a library state that was held before or after its root.
     pub(in crate::engine) fn advance_library(&mut self, slot: u32, content: &'s Content<D>) {
         let frame = self.run.frames.get_mut(slot);
         let end = frame.children.library().and_then(|root| root.end.take());
@@ -47,7 +47,7 @@ impl<'s, D: Datum> Step<'s, D> {
                 Ended { outcome: PREEMPTED, outputs, absent: Vec::new(), error: None },
             );
         } else if content.root().is_none() {
-            // Its library was lost while it was held.
+            // The library went missing while the state was held.
             self.begin_library(slot, content);
         } else {
             frame.phase = Phase::Child;
@@ -55,7 +55,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The root takes the inputs, output defaults and error of the library state.
+    /// Enters the root with the inputs, output defaults and error of the library state.
     pub(in crate::engine) fn enter_library_root(&mut self, parent: u32, content: &'s Content<D>) {
         let Content::Found { root, .. } = content else { return };
         let node = self.program.node(*root);
@@ -81,7 +81,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.begin(seed, 0, None);
     }
 
-    /// The inputs of a root are those of its library state.
+    /// The inputs of the root, taken from its library state.
     pub(in crate::engine) fn library_root_inputs(
         &mut self,
         library: u32,
@@ -94,7 +94,7 @@ impl<'s, D: Datum> Step<'s, D> {
         self.default_inputs(root, path, from)
     }
 
-    /// The library state ends as its root did.
+    /// Ends the library state with the outcome of its root.
     pub(in crate::engine) fn library_root_ended(
         &mut self,
         slot: u32,
@@ -136,7 +136,7 @@ impl<'s, D: Datum> Step<'s, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// The defaults of the outputs of a root are those of its library state.
+    /// The output defaults of the root, taken from its library state.
     pub(in crate::engine) fn root_outputs(
         &self,
         library: u32,
@@ -153,7 +153,7 @@ impl<D: Datum> View<'_, '_, D> {
     }
 }
 
-/// For each port the value of the port that is the same as it, else the one in `otherwise`.
+/// Maps values from ports to their counterparts; ports without one take the value in `otherwise`.
 fn mapped<D: Clone>(same: &[Option<u32>], values: &[D], otherwise: &[D]) -> Arc<[D]> {
     let value = |(same, otherwise): (&Option<u32>, &D)| {
         let found = same.and_then(|index| values.get(index as usize));

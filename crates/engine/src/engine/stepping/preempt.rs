@@ -1,4 +1,4 @@
-//! Asking active states to end. What is asked once stays asked, so that no request is ever lost.
+//! Requests to end active states. A request is never reset, so that none is lost.
 
 use crate::engine::state::phase::{Cause, Reaction, react};
 use crate::engine::state::step::{Step, Work};
@@ -13,7 +13,7 @@ impl<D: Datum> Step<'_, D> {
         self.release(slot);
     }
 
-    /// Preempts these frames; those that stand still look what is next.
+    /// Preempts these frames; those that are held or wait select their next step.
     pub(in crate::engine) fn preempt(&mut self, frames: &[u32]) {
         for &slot in frames {
             let frame = self.run.frames.get_mut(slot);
@@ -31,7 +31,7 @@ impl<D: Datum> Step<'_, D> {
         }
     }
 
-    /// Lets those frames look what is next that do so for this cause, the first of them first.
+    /// Queues the next step of the frames that advance for this cause, the first frame first.
     pub(in crate::engine) fn wake(&mut self, frames: &[u32], cause: Cause) {
         for &slot in frames.iter().rev() {
             let reaction = react(&self.run.frames.get(slot).phase, cause);

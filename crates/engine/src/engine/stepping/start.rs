@@ -1,4 +1,4 @@
-//! Starting a run, also anew: where, with which values, held or not, and what runs after the state that it was started at.
+//! Starts a run, also again: at a state, with values, held or not, and with an action after the start state.
 
 use crate::engine::state::frames::Seed;
 use crate::engine::state::phase::Phase;
@@ -10,7 +10,7 @@ use crate::{BranchId, Datum, Effect, Event, NodeId, PathId, Program, Start, Then
 use rafcon_model::{Port, PortId};
 use smol_str::SmolStr;
 
-/// A value for a state on the way to where a run begins.
+/// A value for a state on the start path.
 #[derive(Debug)]
 pub(in crate::engine) struct Given<D> {
     place: PathId,
@@ -20,9 +20,9 @@ pub(in crate::engine) struct Given<D> {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Where {
-    /// An input port.
+    /// An input port of the state.
     Input(PortId),
-    /// A scoped variable.
+    /// A scoped variable of the container.
     Scoped(PortId),
 }
 
@@ -51,7 +51,7 @@ impl<'s, D: Datum> Step<'s, D> {
         Ok(())
     }
 
-    /// The place behind which a start inside says what happens: of the state itself, or of the outermost concurrency state
+    /// The place whose end triggers the action of a start inside: the start state, or the outermost concurrency state
     /// around it.
     pub(in crate::engine) fn target(&mut self, steps: &[u32]) -> Option<PathId> {
         let mut node = Program::<D>::ROOT;
@@ -84,7 +84,7 @@ impl<'s, D: Datum> Step<'s, D> {
         values.collect()
     }
 
-    /// What the start gave replaces the inputs of a state at its first entry.
+    /// Replaces the inputs of a state at its first entry with values from the start.
     pub(in crate::engine) fn give_inputs(&mut self, seed: &mut Seed<D>) {
         for (port, value) in self.run.given_to(seed.path, |port| matches!(port, Where::Input(_))) {
             let ports = self.program.node(seed.node).inputs().iter();
@@ -95,7 +95,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The same for the scoped variables of a container.
+    /// Replaces the scoped variables of a container at its first entry with values from the start.
     pub(in crate::engine) fn give_scoped(&mut self, slot: u32, inside: &'s Inside<D>) {
         let frame = self.run.frames.get(slot);
         let (path, first) = (frame.path, self.program.node(frame.node).inputs.len());
@@ -107,7 +107,7 @@ impl<'s, D: Datum> Step<'s, D> {
         }
     }
 
-    /// The state that the run was begun at was left. A run that is stopping continues to stop.
+    /// Applies the action after the start state. A run that is stopping continues to stop.
     pub(in crate::engine) fn target_left(&mut self) {
         let then = self.run.control.then.take();
         match then.filter(|_| self.run.status != Status::Stopping) {
@@ -132,7 +132,7 @@ impl<D: Datum> View<'_, '_, D> {
         input.map(Where::Input).or_else(|| scoped().map(Where::Scoped))
     }
 
-    /// The child that the start path leads to from this frame, if that is where it begins.
+    /// The child of this frame on the start path, while no child has ended.
     pub(in crate::engine) fn leads_to(&self, slot: u32) -> Option<u32> {
         let frame = self.run.frames.get(slot);
         let depth = frame.start_depth.filter(|_| frame.last.is_none())?;
@@ -150,7 +150,7 @@ impl<D: Datum> Run<D> {
         taken.map(|given| (given.port, given.value)).collect()
     }
 
-    /// The place that these steps lead to, if its neighbours were entered.
+    /// The place that these steps lead to, if its parent was entered.
     pub(in crate::engine) fn place(&self, program: &Program<D>, steps: &[u32]) -> Option<PathId> {
         let child = |place, &step: &u32| self.places.child(place, step as usize, program);
         steps.iter().try_fold(PathId(0), child)
@@ -189,7 +189,7 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    /// Refuses a command that would take the ground from under a script.
+    /// Refuses a command that would end a running script or check without its result.
     pub(in crate::engine) fn nothing_runs(&self, command: Command) -> Result<(), Refusal> {
         self.legal(command)?;
         if let Some(check) = self.run.control.holds.iter().find_map(SuspendedBranch::check) {
