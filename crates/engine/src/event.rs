@@ -1,4 +1,4 @@
-//! What happened in a run.
+//! Events: the history of a run.
 
 use crate::{NodeId, PathId};
 use rafcon_model::{DataType, Loss, OutcomeId, PortId};
@@ -6,110 +6,111 @@ use smol_str::SmolStr;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 
-/// One thing that happened. The list of all events is the history of the run, so an event is small: what is rare stands
-/// in a box.
+/// One event of a run. The list of all events is the history of the run, so an event is small: rare data is boxed.
 #[derive(Debug, Clone)]
 pub enum Event<D> {
-    /// A state began.
+    /// A state was entered.
     Entered {
-        /// Where it stands.
+        /// Place of the state.
         path: PathId,
-        /// Which state it is.
+        /// The node of the state.
         node: NodeId,
         /// One value for each input port, in the node's order.
         inputs: Arc<[D]>,
-        /// It is entered backwards: the entry that is undone, counted from 1 over all entries of the run.
+        /// The number of the undone entry among all entries of the run, counted from 1. Set if the state is entered
+        /// backwards.
         undoes: Option<NonZeroU64>,
     },
-    /// A state ended. A state that is left backwards has the outcome that is undone, *preempted* if it had none yet, and
-    /// gives nothing.
+    /// A state was left. A state that is left backwards has the undone outcome, or *preempted* if it had none yet, and
+    /// no outputs.
     Left {
-        /// Where it stands.
+        /// Place of the state.
         path: PathId,
-        /// Which state it is.
+        /// The node of the state.
         node: NodeId,
-        /// How it ended.
+        /// Outcome by which it ended.
         outcome: OutcomeId,
         /// One value for each output port, in the node's order.
         outputs: Arc<[D]>,
-        /// Indices of the output ports that its script left out; `None` stands there in `outputs`, and flows nowhere.
+        /// Indices of the output ports that the script left out. `outputs` contains `None` for them, which flows
+        /// nowhere.
         absent: Option<Box<[u32]>>,
-        /// Its error, if it left one.
+        /// Error with which the state ended, if any.
         error: Option<Box<D>>,
-        /// It is left backwards: the entry that is undone.
+        /// The number of the undone entry, if the state is left backwards.
         undoes: Option<NonZeroU64>,
     },
-    /// A scoped variable got a value.
+    /// A scoped variable received a value.
     Scoped {
-        /// The container.
+        /// Place of the container.
         path: PathId,
-        /// The variable.
+        /// Port of the variable.
         port: PortId,
-        /// Its new value.
+        /// Value after the assignment.
         value: D,
     },
     /// A state cannot continue until the machine is changed or stopped.
     Waiting {
         /// The container that waits.
         path: PathId,
-        /// For what.
+        /// The reason for the wait.
         reason: WaitReason,
     },
-    /// A branch is held until a command lets it continue.
+    /// A branch is held until a command releases it.
     Held {
-        /// The container that is held: a concurrency state, where one of its branches is; the root, where that has not
-        /// begun or has ended.
+        /// The held container. For a branch, its concurrency state; for a root that has not begun or has ended, the
+        /// root.
         path: PathId,
-        /// The state before which it is held, if there is one.
+        /// The state before which the branch is held, if it is known.
         next: Option<PathId>,
-        /// By what.
+        /// The cause of the hold.
         by: HeldBy,
     },
-    /// A breakpoint was passed while its condition was true.
+    /// A breakpoint was hit: it was passed while its condition was true.
     Hit {
-        /// The breakpoint.
+        /// Id of the breakpoint.
         breakpoint: u64,
-        /// Its state.
+        /// Place of the breakpoint's state.
         path: PathId,
-        /// How often by now.
+        /// Number of hits, including this one.
         hits: u32,
-        /// Whether it held anything.
+        /// True if the breakpoint holds its branch or the run.
         held: bool,
     },
-    /// Someone chose the outcome of a state that waited or was held, or was skipped.
+    /// A command chose the outcome of a waiting or held state, or of a skipped one.
     Forced {
-        /// The state.
+        /// Place of the state.
         path: PathId,
-        /// The outcome.
+        /// The outcome that was chosen.
         outcome: OutcomeId,
     },
-    /// A state is preempted because nobody on the ground was heard for too long.
+    /// A state is preempted because the ground was silent for too long.
     LossRecovery {
-        /// The state.
+        /// Place of the state.
         path: PathId,
-        /// By which measure.
+        /// The measure of silence.
         loss: Loss,
     },
-    /// A state was active when the run was begun again; it has no outcome. Parents come before children.
+    /// A state was active when the run was started again. It has no outcome. Parents come before children.
     Dropped {
-        /// The state.
+        /// Place of the state.
         path: PathId,
     },
-    /// The run goes by the program of the last [`crate::Input::Change`] from now on. It may stand among other events: those
-    /// before it are about the program of before, with its ports.
+    /// The program of the last [`crate::Input::Change`] applies from now on. Events before this one, also in the
+    /// current call, refer to the earlier program and its ports.
     Changed,
-    /// A change waits until this state is left.
+    /// A change waits until the end of this state.
     ChangeWaits {
-        /// The state.
+        /// Place of the state.
         path: PathId,
     },
-    /// Something the user should know.
+    /// A note about a state, for the user.
     Note {
-        /// The state it is about.
+        /// Place of the state.
         path: PathId,
-        /// How bad it is.
+        /// Severity of the note.
         level: Level,
-        /// What it is.
+        /// Content of the note.
         note: Box<Note>,
     },
     /// The run was paused (true) or resumed (false).
@@ -118,104 +119,104 @@ pub enum Event<D> {
     Stopping,
     /// The run is over; the details are in [`crate::Finish`].
     Finished {
-        /// The root's outcome.
+        /// Outcome of the root.
         outcome: OutcomeId,
     },
 }
 
-/// Why a container waits.
+/// The reason why a state waits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum WaitReason {
     /// An outcome of a child leads nowhere.
     NoTransition {
-        /// The child.
+        /// Place of the child.
         child: PathId,
-        /// Its outcome.
+        /// Outcome of the child.
         outcome: OutcomeId,
     },
-    /// There is no start state.
+    /// The hierarchy has no start state.
     NoStart,
     /// A preemptive concurrency state has no children.
     NoChildren,
-    /// A crash interrupted the script; a command must decide what becomes of it.
+    /// A crash interrupted the script, and a command must choose its recovery.
     Interrupted,
 }
 
-/// What holds a branch.
+/// The cause of a hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HeldBy {
-    /// A pause.
+    /// A pause of the run.
     Pause,
-    /// A step has come to its end.
+    /// The end of a step.
     Step,
-    /// The state that it was to run to.
+    /// The state that the run continued to.
     RunTo,
-    /// A breakpoint.
+    /// The breakpoint with this id.
     Breakpoint(u64),
-    /// It is where the run, or its branch, begins.
+    /// The beginning of the run or of a branch.
     Start,
-    /// Nobody on the ground was heard for too long.
+    /// A lost-link policy of a state.
     Loss(Loss),
 }
 
-/// How bad a [`Note`] is.
+/// The severity of a [`Note`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// Could be meant.
+    /// The cause may be intended.
     Warning,
-    /// Is not meant.
+    /// The cause is not intended.
     Error,
 }
 
-/// Something the user should know about a state.
+/// A message for the user about a state.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Note {
-    /// A value does not fit the port or scoped variable that it was put into; it was put there all the same.
+    /// A value does not fit the type of its port or scoped variable. It was stored nevertheless.
     TypeMismatch {
-        /// The port's name.
+        /// Name of the port.
         port: SmolStr,
-        /// What the port declares.
+        /// Type that the port declares.
         expected: DataType,
         /// The name of the value's type.
         found: SmolStr,
     },
-    /// A script returned something that is no outcome of its state; the state aborted.
+    /// A script returned a value that is no outcome of its state. The state aborted.
     NoSuchOutcome {
-        /// What it returned, as shown to people.
+        /// The returned value, as text.
         returned: SmolStr,
     },
-    /// A default names a global variable that does not exist; `None` is used.
+    /// A default names a global variable that does not exist. `None` is used.
     NoSuchGlobal {
         /// The name, without `$`.
         name: SmolStr,
     },
     /// A default could not be converted to its port's type.
     BadDefault {
-        /// The port's name.
+        /// Name of the port.
         port: SmolStr,
-        /// Why.
+        /// Reason of the failed conversion.
         reason: SmolStr,
     },
-    /// The library of a library state is missing; the state aborted.
+    /// The library of a library state is missing. The state aborted.
     MissingLibrary {
-        /// Why.
+        /// The cause and its remedy.
         reason: SmolStr,
     },
-    /// The state's own file is damaged; the state aborted.
+    /// The state's own file is damaged. The state aborted.
     DamagedState {
         /// The damage and its remedy.
         reason: SmolStr,
     },
-    /// A start value names an input port that the root does not have; it is ignored.
+    /// A start value names an input port that the root does not have. The value is ignored.
     NoSuchInput {
-        /// The name.
+        /// Name in the start value.
         name: SmolStr,
     },
-    /// The condition of a breakpoint cannot be evaluated; it counts as true.
+    /// The condition of a breakpoint cannot be evaluated. It counts as true.
     BadCondition {
-        /// The breakpoint.
+        /// Id of the breakpoint.
         breakpoint: u64,
-        /// Why.
+        /// Reason of the failed evaluation.
         reason: SmolStr,
     },
 }

@@ -1,4 +1,4 @@
-//! Dense numbers for the things of one run.
+//! Dense numbers for the parts of one run.
 
 macro_rules! index {
     ($(#[$doc:meta])* $name:ident) => {
@@ -20,19 +20,19 @@ index! {
     NodeId
 }
 index! {
-    /// A place where a state can run: a node seen through all its parents. The same place keeps its number for the run.
+    /// A place where a state can run: a node together with all its parents. A place keeps its number for the whole run.
     PathId
 }
 index! {
-    /// A line of execution; the root has branch 0, each child of a concurrency state gets one of its own.
+    /// A line of execution. The root has branch 0; each child of a concurrency state gets a branch of its own.
     BranchId
 }
 
-/// One active run of a state. Numbers are used again after the state is left, with another generation.
+/// One active run of a state. Slots are reused after the state is left, with another generation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FrameId {
-    /// Place in the table of frames.
+    /// Index in the table of frames.
     pub slot: u32,
-    /// How often the place was used before.
+    /// Number of earlier uses of the slot.
     pub generation: u32,
 }

@@ -5,74 +5,74 @@ use rafcon_model::{Loss, OutcomeId, StatePath};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// A cause of work. Every one is legal or refused in every status.
+/// An input. Each input is either legal or refused, depending on the status of the run.
 #[derive(Debug, Clone)]
 pub enum Input<D> {
-    /// Begin the run; or begin again, while everything is held or waits.
+    /// Start the run; or start it again while everything is held or waits.
     Start(Start<D>),
-    /// Resume a run, or begin again at an earlier moment, while everything is held or waits.
+    /// Resume a run, or restart it at an earlier moment while everything is held or waits.
     Restore(Box<Restore<D>>),
     /// Hold every hierarchy before its next child; scripts see `paused`.
     Pause,
-    /// Go on after a pause, a step or a breakpoint: on all branches, or on one (path of a child of a concurrency state).
+    /// Continue after a pause, a step or a breakpoint: all branches, or one (the path of a concurrency state's child).
     Resume(Option<StatePath>),
     /// End the run as if it were preempted.
     Stop,
-    /// Hold wherever a next state would begin, from now on.
+    /// Hold each branch before its next state from now on.
     StepMode,
-    /// One step: of all branches that are held, or of one.
+    /// Make one step, with all held branches or with one.
     Step(Stride, Option<StatePath>),
-    /// Run until before this state.
+    /// Continue until just before this state.
     RunTo(StatePath),
-    /// End a waiting or held state with this outcome; or skip with it the state before which its container is held.
+    /// End a waiting or held state with this outcome, or skip the state before which its container is held.
     Force(StatePath, OutcomeId),
-    /// Ask one active state, and all in it, to end.
+    /// Ask one active state and everything in it to end.
     Preempt(StatePath),
-    /// Decide about interrupted scripts: all, or one.
+    /// Choose the recovery of interrupted scripts: of all, or of one.
     Recover(Option<StatePath>, Interrupted),
-    /// Set a breakpoint; one with the same id is replaced.
+    /// Set a breakpoint. It replaces one with an equal id.
     Break(Breakpoint),
-    /// Remove a breakpoint.
+    /// Remove the breakpoint with this id.
     Unbreak(u64),
-    /// Whether anyone is connected. A run begins attended.
+    /// Report whether a viewer is connected. A run begins attended.
     Attended(bool),
-    /// For how long nobody on the ground was heard. A run begins with a ground that was heard just now.
+    /// Report the duration of the ground's silence. A run begins without silence.
     Silence(Silence),
-    /// Go by this program from now on. States keep their numbers where their paths are the same.
+    /// Switch to this program. States keep their numbers where their paths are unchanged.
     Change(Change<D>),
-    /// The script of a frame ended.
+    /// Report the result of a frame's script.
     Finished {
         /// The frame of the [`crate::Job`].
         frame: FrameId,
-        /// How it ended.
+        /// Result of the script.
         result: ScriptResult<D>,
     },
-    /// A condition was evaluated.
+    /// Report the result of a condition.
     Checked {
         /// The number of the [`crate::Check`].
         check: u64,
-        /// Whether it is true. The error says why it cannot be evaluated, and counts as true.
+        /// Value of the condition. An error contains the reason why it cannot be evaluated, and counts as true.
         result: Result<bool, SmolStr>,
     },
 }
 
-/// For how long a run was left alone, in ms. The driver says so when another of the times has passed that policies of states
-/// ([`rafcon_model::LossPolicy`]) and breakpoints name, and when it is over.
+/// Duration of the silence around a run, in ms. The driver reports it when it passes a time that a policy of a state
+/// ([`rafcon_model::LossPolicy`]) or a breakpoint names, and when the silence ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Silence {
-    /// Since the ground was heard.
+    /// Time without a message from the ground.
     pub link_ms: u64,
-    /// Since someone gave a command.
+    /// Time without a command.
     pub command_ms: u64,
 }
 
 impl Silence {
-    /// Whether there is none.
+    /// True if the ground is not silent.
     pub fn is_over(&self) -> bool {
         *self == Self::default()
     }
 
-    /// How long it lasts by one measure.
+    /// The duration of one kind of silence.
     pub fn of(&self, loss: Loss) -> u64 {
         match loss {
             Loss::Link => self.link_ms,
@@ -81,43 +81,45 @@ impl Silence {
     }
 }
 
-/// How far a step goes.
+/// The extent of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Stride {
-    /// One child further, entering it.
+    /// To the next child, entering it.
     Into,
-    /// One child further, running all that is in it.
+    /// Past the next child, running everything in it.
     Over,
     /// To the end of the container.
     Out,
-    /// One step back.
+    /// Back to before the last child.
     Back,
 }
 
-/// How a run begins.
+/// Parameters of a start.
 #[derive(Debug, Clone)]
 pub struct Start<D> {
     /// Values for input ports of the root by name, instead of their defaults.
     pub inputs: Vec<(SmolStr, D)>,
-    /// Begin at this state instead of the start states above it. Values that skipped states would have given are absent.
+    /// Begin at this state instead of the start states above it. Values that skipped states would have given are
+    /// absent.
     pub start_from: Option<StatePath>,
-    /// Values for input ports and scoped variables of the states on the way to `start_from`, that state included.
+    /// Values for input ports and scoped variables of the states on the path to `start_from`, including that state.
     pub given: Vec<(StatePath, SmolStr, D)>,
-    /// Hold before the first child (before the root itself, if it has none), in step mode.
+    /// Hold before the first child, in step mode; or before the root itself, if it has none.
     pub hold: bool,
-    /// What happens once `start_from` was left.
+    /// The action after the end of `start_from`.
     pub then: Then,
 }
 
-/// What happens after the state that a run was begun at. Inside a concurrency state, the outermost one counts as that state.
+/// The action after the state at which a run started. Inside a concurrency state, the outermost one counts as that
+/// state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Then {
-    /// The run resumes.
+    /// The run continues as usual.
     #[default]
     GoOn,
     /// The run is held, in step mode.
     Hold,
-    /// The run stops; if that state was the last, the run ends as it did.
+    /// The run stops. If that state was the last, the run ends as usual.
     Stop,
 }
 
@@ -133,137 +135,137 @@ impl<D> Default for Start<D> {
     }
 }
 
-/// A moment to continue from.
+/// A moment from which a run continues.
 #[derive(Debug, Clone)]
 pub struct Restore<D> {
-    /// The root, with all that was active.
+    /// The root with everything that was active.
     pub root: ActiveStateData<D>,
-    /// What becomes of scripts that were running.
+    /// Recovery of scripts that were running.
     pub interrupted: Interrupted,
     /// The error of scripts that are aborted.
     pub crash: Option<D>,
-    /// Whether the run is held, in step mode: hierarchies before their next child, and, with [`Interrupted::Again`],
+    /// True to hold the run, in step mode: hierarchies before their next child, and, with [`Interrupted::Again`],
     /// scripts before they run again.
     pub hold: bool,
-    /// What was counted in earlier lives of the run; looked at only in an engine that has not started.
+    /// Counts of earlier lives of the run. Used only by an engine that has not started.
     pub counted: Counted,
     /// Set if the run was stopping.
     pub stopping: Option<Stopping>,
-    /// Where the run was begun, if that still matters.
+    /// State at which the run started, if that still matters.
     pub begun_at: Option<BegunAt>,
 }
 
-/// The state that a run was begun at, while it was not entered or something is to happen behind it.
+/// The state at which a run started, while it is not yet entered or an action follows its end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BegunAt {
-    /// See [`Start::start_from`].
+    /// As [`Start::start_from`] of that start.
     pub path: StatePath,
-    /// Whether it was entered. If not, what is active on the way to it leads there first.
+    /// True if the state was entered. If not, the active states above it lead to it first.
     pub is_reached: bool,
-    /// See [`Start::then`].
+    /// As [`Start::then`] of that start.
     pub then: Then,
 }
 
 /// A run that was asked to stop and is not over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopping {
-    /// The order of the last request: every state that was entered before it was asked to end.
+    /// The order of the last request: every state entered before it was asked to end.
     pub order: u64,
-    /// It was asked twice: no further handler begins.
+    /// True if the run was asked to stop twice, so that no further handler begins.
     pub twice: bool,
 }
 
-/// What an engine counts from the start of a run on.
+/// Counts from the start of a run on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counted {
-    /// States that were run; library states are not counted.
+    /// Number of states that ran, without library states.
     pub states_run: u64,
-    /// Entries, those of library states and those that undo others too: the last number that was given to one.
+    /// The number of the last entry. All entries count, including those of library states and backward ones.
     pub entries: u64,
 }
 
-/// A program to continue with.
+/// A program with which the run continues.
 #[derive(Debug, Clone)]
 pub struct Change<D> {
-    /// Made by [`Program::change`] from the program that was given last.
+    /// Result of [`Program::change`] on the program of the previous change, or of the engine.
     pub program: Arc<Program<D>>,
-    /// Whether a change that touches an active state waits until that is left, instead of being refused. A change that
-    /// waits is replaced by the next one, which contains it.
+    /// True if a change that affects an active state waits for its end, instead of being refused. The next change
+    /// replaces a waiting one and contains it.
     pub wait: bool,
 }
 
-/// What a script gave back.
+/// The result of a script.
 #[derive(Debug, Clone)]
 pub struct ScriptResult<D> {
-    /// What it returned.
+    /// Value that the script returned.
     pub returned: Returned,
     /// One entry for each output port of the node, in its order; `None` where the script left the port out.
     pub outputs: Vec<Option<D>>,
-    /// The entry `error` of its outputs, or what it raised; only if it is true in Python's sense.
+    /// The entry `error` of the script's outputs, or its exception; only if it is true in Python's sense.
     pub error: Option<D>,
 }
 
-/// What a script returned, before it is looked up among the outcomes.
+/// The returned value of a script, before it is matched to an outcome.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Returned {
     /// A number: the id of an outcome.
     Id(i64),
     /// A string: the name of an outcome.
     Name(SmolStr),
-    /// Anything else (`None` too), as shown to people.
+    /// Any other value, including `None`, as text.
     Other(SmolStr),
-    /// It raised an exception (which stands in [`ScriptResult::error`]).
+    /// The script raised an exception, which [`ScriptResult::error`] contains.
     Raised,
 }
 
 /// A breakpoint of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Breakpoint {
-    /// Chosen by the client that sets it; the same id replaces the earlier breakpoint.
+    /// Id chosen by the client. It replaces an earlier breakpoint with this id.
     pub id: u64,
-    /// The state. It need not exist (yet).
+    /// Path of the state, which need not exist (yet).
     pub path: StatePath,
-    /// On which side of the state.
+    /// Side of the state.
     pub when: When,
-    /// Text that the driver evaluates ([`crate::Effect::Check`]); without one the breakpoint always holds.
+    /// Condition, which the driver evaluates ([`crate::Effect::Check`]). Without one, each pass is a hit.
     pub condition: Option<SmolStr>,
-    /// Holds from the n-th time on that it is passed and its condition is true; 0 and 1 mean each time.
+    /// Number of the hit from which the breakpoint holds; 0 and 1 mean the first.
     pub hit_count: u32,
-    /// What is held.
+    /// Extent of the hold.
     pub scope: Scope,
-    /// What happens while no viewer is connected.
+    /// Action while no viewer is connected.
     pub unattended: Unattended,
-    /// The same happens once the ground was not heard for so many ms.
+    /// Silence of the ground, in ms, after which the action for no viewer applies.
     pub lost_link_ms: Option<u64>,
-    /// A disabled one does nothing.
+    /// True if the breakpoint is active.
     pub enabled: bool,
 }
 
-/// On which side of a state.
+/// The side of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum When {
-    /// Before it is entered.
+    /// Before the state is entered.
     Before,
-    /// After it was left, before what follows.
+    /// After the state is left, before the next step.
     After,
 }
 
-/// What a breakpoint holds.
+/// The extent of a breakpoint's hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// The branch that came to it.
+    /// The branch that reached the breakpoint.
     Branch,
-    /// All branches, as a pause does.
+    /// All branches, as by a pause.
     Run,
 }
 
-/// What a breakpoint does while no viewer is connected.
+/// The action of a breakpoint while no viewer is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unattended {
-    /// Holds all the same.
+    /// Holds as if a viewer were connected.
     Hold,
-    /// Holds nothing, and releases what it held when the last viewer was lost.
+    /// Holds nothing, and releases its holds when the last viewer disconnects.
     Continue,
-    /// Stops the run.
+    /// Stops the whole run.
     Stop,
 }

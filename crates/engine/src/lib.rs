@@ -1,7 +1,7 @@
-//! What happens next in a run of a state machine, as a pure function of what happened so far.
+//! The next steps of a state machine's run, as a pure function of its history.
 //!
-//! Knows the active configuration, data scopes, preemption and the ends of states. Knows nothing of threads, clocks,
-//! Python or I/O: it takes [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
+//! The engine knows the active configuration, data scopes, preemption and the ends of states. It knows no threads,
+//! clocks, Python or I/O: it accepts [`Input`]s and returns [`Effect`]s and [`Event`]s in an [`Outbox`].
 #![warn(clippy::wildcard_enum_match_arm)]
 pub mod configuration;
 pub mod effect;

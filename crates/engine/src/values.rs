@@ -1,10 +1,10 @@
-//! Values as the engine sees them: handles that it moves and never opens; and the model's own values as such handles, for native
-//! states and tests.
+//! Values as handles that the engine moves and never opens. The model's own values are such handles, for native states
+//! and tests.
 
 use rafcon_model::{Answer, Conversion, DataType, Value, convert, convert_runtime_value};
 use smol_str::{SmolStr, format_smolstr};
 
-/// Literals of the model as values of the model. What only Python can read has no value here.
+/// Converts literals of the model to values of the model. Literals that only Python can read fail.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ModelLiterals;
 
@@ -29,7 +29,7 @@ fn made(conversion: Conversion, value: &Value, data_type: &DataType) -> Result<V
     }
 }
 
-/// A text that cannot be converted has no value. Anything else passes as it is, as values of a run do, and is noted there.
+/// A value that could not be converted. Text is an error; other values pass unchanged, and are noted during the run.
 pub fn failed(value: &Value, reason: SmolStr) -> Result<&Value, SmolStr> {
     if matches!(value, Value::Str(_)) { Err(reason) } else { Ok(value) }
 }
@@ -77,22 +77,23 @@ impl Datum for Value {
     }
 }
 
-/// A handle to a value. Cloning must be cheap and must not need an interpreter: the engine clones and drops under a lock.
+/// A handle to a value. Cloning must be cheap and must not need an interpreter: the engine clones and drops under a
+/// lock.
 pub trait Datum: Clone {
     /// The handle of `None`.
     fn none() -> Self;
-    /// Whether the value is `None`.
+    /// True if the value is `None`.
     fn is_none(&self) -> bool;
-    /// Whether the value may stand in a port of this type. `None` fits everywhere; `int` and `float` pass for each other
-    /// when a run stores values (`docs/semantics.md`, type checks).
+    /// Checks the value against the type of a port. `None` fits everywhere; `int` and `float` pass for each other when
+    /// a run stores values (`docs/semantics.md`, type checks).
     fn fits(&self, data_type: &DataType) -> Answer;
     /// The name of the value's type, for messages.
     fn type_name(&self) -> SmolStr;
 }
 
-/// The global variables of a run, as far as the engine needs them: for defaults that start with `$`.
+/// The global variables of a run, for defaults that start with `$`.
 pub trait Globals<D> {
-    /// The variable's value: by reference or as a copy of its own, as the variable was stored.
+    /// The value of the variable: by reference or as a copy, depending on how it was stored.
     fn get(&self, name: &str) -> Option<D>;
 }
 
@@ -108,17 +109,17 @@ impl<D> Globals<D> for NoGlobals {
 
 /// Makes handles from the values of files, once per program.
 pub trait Literals<D> {
-    /// The handle for `value` in a port of type `data_type`, converted as the file format says (`docs/format.md`, raw
-    /// text); the error says why it cannot be. Names of global variables (`$name`) are not passed here.
+    /// The handle for `value` in a port of type `data_type`, converted as in `docs/format.md` (raw text). The error is
+    /// the reason of a failed conversion. Names of global variables (`$name`) are not passed here.
     fn literal(&mut self, value: &Value, data_type: &DataType) -> Result<D, SmolStr>;
 
-    /// The same for what a library state sets for a port; the text `None` may be itself there.
+    /// As [`Self::literal`], for a value that a library state sets for a port. The text `None` may stay text there.
     fn runtime_literal(&mut self, value: &Value, data_type: &DataType) -> Result<D, SmolStr> {
         self.literal(value, data_type)
     }
 
-    /// What an error of the engine's own (a missing library, a scoped variable that cannot be made) is to those who handle
-    /// it; the text says what happened and the way out.
+    /// Creates the error value for an error of the engine itself, such as a missing library or a bad scoped variable.
+    /// The text describes the problem and its remedy.
     fn error(&mut self, text: &str) -> Option<D> {
         self.literal(&Value::str(text), &DataType::Str).ok()
     }

@@ -1,15 +1,15 @@
-//! Random machines, random results, random commands and edits, in random orders.
+//! Random machines with random results, commands and edits, in random orders.
 
 use proptest::prelude::{ProptestConfig, any, prop_assert_eq, proptest};
 use rafcon_testkit::simulation::{Counts, Width, simulate};
 
-/// Runs in one test.
+/// Number of runs in one test.
 const SEEDS: u64 = 300;
-/// So many runs show every kind of thing that can happen, each more often than in one of `RARE / 100` runs.
+/// Number of runs in which every kind of event occurs more than `RARE / 100` times.
 const SEEDS_OF_ALL_KINDS: u64 = 1000;
-/// What happens only as often as this is in a hundred is rare.
+/// Argument of [`Counts::rare`]: a kind of event is rare if it occurs at most `RARE / 100` times.
 const RARE: u64 = 300;
-/// Sets the first seed of the runs that are new each day.
+/// Environment variable with the first seed of the day's new runs.
 const FROM: &str = "RAFCON_SEEDS_FROM";
 
 #[test]
@@ -22,7 +22,7 @@ fn every_run_ends_and_keeps_its_promises() {
     assert_eq!(counts.rare(RARE), Vec::<&str>::new(), "\n{counts}");
 }
 
-/// The seeds are others each day, so that no bug hides behind those that pass; a failure says how to repeat it.
+/// Seeds change each day, so that the tests cover new machines. A failure prints how to repeat it.
 #[test]
 fn seeds_of_the_day_keep_their_promises() {
     let from = first_seed().unwrap_or_else(|| today() * 1_000_000);
@@ -45,7 +45,7 @@ fn today() -> u64 {
     date(since.map_or(0, |since| since.as_secs() / 86_400))
 }
 
-/// The date so many days after 1970-01-01 (the algorithm for civil days by Howard Hinnant).
+/// The date this many days after 1970-01-01 (the algorithm for civil days by Howard Hinnant).
 fn date(days: u64) -> u64 {
     let days = days + 719_468;
     let (era, day) = (days / 146_097, days % 146_097);
@@ -63,7 +63,7 @@ fn days_have_dates() {
     assert_eq!(dates, [19_700_101, 19_700_228, 19_700_301, 20_000_229, 20_251_231, 20_261_122]);
 }
 
-/// Each of these has broken a promise once, in the first version of the simulation.
+/// Seeds that once broke a promise, in the first version of the simulation.
 const BROKEN_ONCE: [u64; 11] = [
     11_386,
     15_733,

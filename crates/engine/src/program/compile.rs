@@ -1,4 +1,4 @@
-//! From the model to nodes. Walks breadth first with a queue, so that depth costs no stack.
+//! Compiles the model to nodes. It walks breadth first with a queue, so that depth needs no stack.
 
 use super::Program;
 use super::defaults::{self, ScopedVariables};
@@ -18,14 +18,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl<D: Datum> Program<D> {
-    /// Compiles a machine. Never fails: what is wrong in the machine is noted, or aborts the state it is about, when it
-    /// runs.
+    /// Compiles a machine. Never fails: an error in the machine becomes a note, or aborts its state when that runs.
     pub fn compile(machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
         compile(machine, literals, Numbers::new(None))
     }
 
-    /// Compiles the machine that this one has become. A state that stands where one stood before, in the machine or in the
-    /// same library content, keeps its number; new ones get new numbers, and no number is used for another state.
+    /// Compiles a changed version of this machine. A state whose predecessor had its id and parent, in the machine
+    /// or in the library content, keeps its number. New states get new numbers, and no number is reused for another
+    /// state.
     #[must_use]
     pub fn change(&self, machine: &Machine, literals: &mut dyn Literals<D>) -> Self {
         compile(machine, literals, Numbers::new(Some(self)))
@@ -53,20 +53,20 @@ fn compile<D: Datum>(
     Program { nodes: compiler.numbers.finish(nodes), tables: compiler.tables.finish(), circle }
 }
 
-/// A number of something that a machine has, as an index.
+/// Converts a count or position to an index.
 pub(crate) fn index(number: usize) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 
 struct Compiler<'l, D> {
-    /// One entry for each node, made or not.
+    /// One entry for each node, compiled or not.
     queue: Vec<Pending>,
     tables: TablesBuilder,
     numbers: Numbers<'l, D>,
     literals: &'l mut dyn Literals<D>,
 }
 
-/// A node to be made, and what its parent knows about it.
+/// A node to be compiled, with its data from the parent.
 struct Pending {
     number: NodeId,
     state: Arc<State>,
@@ -92,7 +92,7 @@ impl Pending {
     }
 }
 
-/// Preempted, aborted, then the others by rising id; the first two also where the file lacks them.
+/// Outcomes: preempted, aborted, then the others by rising id. The first two are added if the file lacks them.
 fn outcomes(state: &State) -> Box<[Outcome]> {
     let mandatory = [(OutcomeId::PREEMPTED, "preempted"), (OutcomeId::ABORTED, "aborted")];
     let first = mandatory.into_iter().map(|(id, name)| {
@@ -196,7 +196,7 @@ impl<D: Datum> Compiler<'_, D> {
         }
     }
 
-    /// Writes the transitions of a container into its children; gives back where it begins.
+    /// Writes the transitions of a container into its children, and returns its start.
     fn connect(&mut self, first: usize, state: &State, container: &Container) -> Exit {
         let own_outcomes = outcomes(state);
         let children: BTreeMap<_, _> = container.states.keys().zip(0_u32..).collect();
@@ -265,7 +265,7 @@ fn loss_policies(state: &State) -> Option<Box<LossPolicies>> {
     has_any.then(|| Box::new(LossPolicies { link, command }))
 }
 
-/// Nothing if the ports of a library state and of its root are alike.
+/// Maps the ports of a library state and its root; `None` if both have equal port ids.
 fn port_map(state: &State, root: &State) -> Option<Box<PortMap>> {
     let alike = |a: &Ports, b: &Ports| a.iter().map(|p| p.id).eq(b.iter().map(|p| p.id));
     if alike(&state.inputs, &root.inputs) && alike(&state.outputs, &root.outputs) {

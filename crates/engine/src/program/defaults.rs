@@ -1,4 +1,4 @@
-//! Default values of ports, made into handles once.
+//! Default values of ports, converted to handles once.
 
 use super::node::{Fault, Initial, Scoped};
 use crate::{Datum, Literals};
@@ -6,19 +6,19 @@ use rafcon_model::{Answer, DataType, Port, Ports, RuntimeValues, Value};
 use smol_str::{SmolStr, format_smolstr};
 use std::sync::Arc;
 
-/// Values of one list of ports, and the ports whose default could not be made.
+/// The default values of output ports, and the ports whose default could not be created.
 pub(super) struct Outputs<D> {
     pub(super) values: Arc<[D]>,
     pub(super) bad: Box<[(u32, SmolStr)]>,
 }
 
-/// What the scoped variables of a container begin with.
+/// The scoped variables of a container with their defaults.
 pub(super) struct ScopedVariables<D> {
     pub(super) list: Box<[Scoped<D>]>,
     pub(super) fault: Option<Fault<D>>,
 }
 
-/// The name behind a `$`, if the text is one.
+/// The name after a `$`, if the text is a reference to a global variable.
 fn global_name(value: &Value) -> Option<&str> {
     match value {
         Value::Str(text) => text.strip_prefix('$').filter(|name| !name.is_empty()),
@@ -75,7 +75,8 @@ fn literal<D: Datum>(
     }
 }
 
-/// The name of a global variable is plain text here: only inputs look it up.
+/// Converts a default without reading global variables: `$name` stays plain text, because only inputs read
+/// such a variable.
 fn plain<D: Datum>(
     (value, is_runtime): (&Value, bool),
     data_type: &DataType,
@@ -132,7 +133,7 @@ fn scoped_value<D: Datum>(port: &Port, literals: &mut dyn Literals<D>) -> Result
     Err(format_smolstr!("its default is of type {found}, not {declared}; change one of them"))
 }
 
-/// Whether every value fits, so that no check is needed.
+/// True if the type accepts every value, so that no check is needed.
 pub(super) fn takes_anything(data_type: &DataType) -> bool {
     matches!(data_type, DataType::Object | DataType::None)
 }

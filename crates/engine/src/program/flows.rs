@@ -1,4 +1,4 @@
-//! The data flows of one container as lists of slots, so that moving a value is indexing.
+//! The data flows of one container as lists of slots. A value is moved by index.
 
 use super::compile::index;
 use rafcon_model::{Container, DataFlow, PortId, Ports, State, StateId};
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// One list of slots for each port.
 pub(super) type Lists = Vec<Vec<u32>>;
 
-/// The wires of a child: into its inputs, and out of its outputs.
+/// The wires of a child, into its inputs and out of its outputs.
 #[derive(Debug, Default)]
 pub(super) struct ChildWires {
     pub(super) gather: Lists,
@@ -18,14 +18,14 @@ pub(super) struct ChildWires {
 #[derive(Debug)]
 pub(super) struct ContainerWires {
     pub(super) slots: u32,
-    /// The child and the output of it that each of the last slots is for.
+    /// The child and its output port for each of the last slots.
     pub(super) sources: Vec<(u32, u32)>,
     pub(super) scatter: Lists,
     pub(super) gather: Lists,
     pub(super) children: Vec<ChildWires>,
 }
 
-/// Reads all data flows of `container`. Flows from or to ports that do not exist move nothing.
+/// Compiles all data flows of `container`. Flows from or to missing ports move nothing.
 pub(super) fn wires(state: &State, container: &Container) -> ContainerWires {
     let mut plan = Plan::new(state, container);
     for flow in container.data_flows.iter() {
@@ -124,7 +124,7 @@ impl<'m> Plan<'m> {
         }
     }
 
-    /// The slot of the source of a flow; made at the first flow from an output of a child.
+    /// The slot of a flow's source. The first flow from a child's output allocates it.
     fn source(&mut self, flow: &DataFlow) -> Option<u32> {
         if flow.from_state == self.state.id {
             let input = position(&self.state.inputs, flow.from_port);

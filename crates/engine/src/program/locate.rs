@@ -1,4 +1,4 @@
-//! From a path of ids to the way down through the nodes.
+//! Finds the node of a path of ids.
 
 use super::{Body, Node, Program};
 use crate::NodeId;
@@ -6,15 +6,15 @@ use rafcon_model::{StateId, StatePath};
 use smol_str::{SmolStr, format_smolstr};
 use thiserror::Error;
 
-/// No state stands at this path.
+/// A path that leads to no state.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("there is no state at '{path}': {}; paths are state ids from the root down, joined by '/'", self.where_it_ends())]
 pub struct UnknownPath {
-    /// What was looked for.
+    /// Path that was requested.
     pub path: StatePath,
-    /// The part of it that exists.
+    /// Part of the path that exists.
     pub known: StatePath,
-    /// The first id that does not.
+    /// The first id that does not exist.
     pub missing: StateId,
 }
 
@@ -34,7 +34,7 @@ impl<D> Program<D> {
         Ok(self.descend(path)?.0)
     }
 
-    /// The node at this path, and the index of a child for each step below the root.
+    /// The node at this path, and the child index of each step below the root.
     pub(crate) fn descend(&self, path: &StatePath) -> Result<(NodeId, Vec<u32>), UnknownPath> {
         let unknown = |depth: usize| UnknownPath {
             path: path.clone(),
@@ -66,7 +66,7 @@ impl<D> Program<D> {
                 let root = content.root().filter(|root| self.node(*root).id() == id);
                 root.map(|root| (0, root))
             }
-            // Children stand in the order of their ids.
+            // Children are sorted by id.
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
                 let found = inside.children.binary_search_by(|&c| self.node(c).id().cmp(id));
                 found.ok().map(|index| (super::index(index), inside.children[index]))

@@ -1,4 +1,4 @@
-//! A machine made ready to run: dense nodes with tables instead of names. Knows the model; knows nothing of a run.
+//! A compiled machine: dense nodes with tables instead of names. It knows the model, but no run.
 
 mod compile;
 mod defaults;
@@ -24,7 +24,7 @@ use tables::Tables;
 pub struct Program<D> {
     nodes: Vec<Node<D>>,
     pub(crate) tables: Tables,
-    /// The error of a hierarchy that runs in a circle without any script.
+    /// The error of a hierarchy whose children run in a circle without a script.
     pub(crate) circle: Option<D>,
 }
 
@@ -37,17 +37,17 @@ impl<D> Program<D> {
         &self.nodes[id.index()]
     }
 
-    /// All nodes that the machine has; the root is the first.
+    /// All nodes of the current machine; the root is the first.
     pub fn nodes(&self) -> impl Iterator<Item = (NodeId, &Node<D>)> {
         (0..).map(NodeId).zip(&self.nodes).filter(|(_, node)| !node.gone)
     }
 
-    /// One more than the highest number of a node; [`Program::change`] keeps the numbers of states that are gone.
+    /// One more than the highest node number. [`Program::change`] keeps the numbers of removed states.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Never true: there is always a root.
+    /// Always false, because the root always exists.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }

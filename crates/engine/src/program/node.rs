@@ -11,51 +11,51 @@ pub(crate) const PREEMPTED: u32 = 0;
 /// Index of the outcome `aborted` in [`Node::outcomes`].
 pub(crate) const ABORTED: u32 = 1;
 
-/// One state of the program.
+/// A state of the program in its compiled form.
 #[derive(Debug)]
 pub struct Node<D> {
     pub(super) state: Arc<State>,
     pub(super) parent: Option<NodeId>,
     pub(crate) child_index: u32,
-    /// It stood in an earlier program of the run and stands in this one no more.
+    /// True if the state existed in an earlier program of the run, but does not exist in this one.
     pub(super) gone: bool,
     pub(super) outcomes: Box<[Outcome]>,
-    /// Where the parent goes after each outcome.
+    /// The parent's exit for each outcome.
     pub(crate) exits: Exits,
-    /// Whether the id of every outcome is its index less two, as it is in nearly every state.
+    /// True if each outcome's id is its index minus two, as in nearly every state.
     pub(super) plain_outcomes: bool,
     pub(crate) body: Body<D>,
-    /// The value of each input port when nothing flows into it.
+    /// The value of each input port without a data flow.
     pub(crate) inputs: Box<[Initial<D>]>,
-    /// The same as one list, if it is the same for every run of the state.
+    /// The input values as one list, if they are equal for every run of the state.
     pub(crate) constant_inputs: Option<Arc<[D]>>,
     /// The default of each output port.
     pub(crate) outputs: Arc<[D]>,
-    /// Output ports whose default could not be made, with the reason.
+    /// Output ports whose default could not be created, with the reason.
     pub(crate) bad_outputs: Box<[(u32, SmolStr)]>,
-    /// Which slots of the parent flow into each input port.
+    /// The slots of the parent that flow into each input port.
     pub(crate) gather: FlowRange,
-    /// Which slots of the parent each output port flows into.
+    /// The slots of the parent into which each output port flows.
     pub(crate) scatter: FlowRange,
     pub(crate) input_checks: Checks,
     pub(crate) output_checks: Checks,
     /// The input port with the name `error`.
     pub(crate) error_input: Option<u32>,
-    /// What it does when the ground is lost, if it says so itself.
+    /// The state's own policies for a silent ground.
     pub(super) loss: Option<Box<LossPolicies>>,
 }
 
-/// The policies that a state has of its own; one that is absent is that of the state around it.
+/// The state's own lost-link policies. A missing one is inherited from the state around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct LossPolicies {
     pub(super) link: Option<LossPolicy>,
     pub(super) command: Option<LossPolicy>,
 }
 
-/// What a transition leads to.
+/// The target of a transition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// There is no transition (or none that means anything).
+    /// No transition, or one without an existing target.
     Nowhere,
     /// The child with this index.
     Child(u32),
@@ -63,7 +63,7 @@ pub(crate) enum Exit {
     Outcome(u32),
 }
 
-/// What is inside a state.
+/// The content of a state, by its kind.
 #[derive(Debug)]
 pub(crate) enum Body<D> {
     Script,
@@ -82,7 +82,7 @@ pub(crate) enum Concurrency {
 }
 
 impl Concurrency {
-    /// The child that decides.
+    /// The child that decides, if the state has one.
     pub(crate) fn decider(self) -> Option<u32> {
         match self {
             Self::Barrier(decider) => decider,
@@ -91,23 +91,23 @@ impl Concurrency {
     }
 }
 
-/// The inside of a container. Its values live in slots: first its inputs, then its scoped variables, then those outputs of
-/// children that flow somewhere.
+/// The inside of a container. Its slots contain values: first its inputs, then its scoped variables, then those outputs
+/// of children that flow somewhere.
 #[derive(Debug)]
 pub(crate) struct Inside<D> {
     pub(crate) children: Box<[NodeId]>,
     pub(crate) start: Exit,
-    /// In how many ways its children can end, taken together.
+    /// Sum of the numbers of the children's outcomes.
     pub(crate) exits: u32,
     pub(crate) slots: u32,
-    /// The child and the output of it that each of the last slots is for.
+    /// The child and its output port for each of the last slots.
     pub(crate) sources: Box<[(u32, u32)]>,
     pub(crate) scoped: Box<[Scoped<D>]>,
-    /// From its inputs to its scoped variables.
+    /// Flows from the inputs to the scoped variables.
     pub(crate) scatter: FlowRange,
-    /// From its slots to its outputs.
+    /// Flows from the slots to the outputs.
     pub(crate) gather: FlowRange,
-    /// Why it cannot run.
+    /// Reason why the container cannot run.
     pub(crate) fault: Option<Fault<D>>,
 }
 
@@ -121,11 +121,11 @@ impl<D> Inside<D> {
     }
 }
 
-/// One scoped variable.
+/// A scoped variable of a container.
 #[derive(Debug)]
 pub(crate) struct Scoped<D> {
     pub(crate) port: Port,
-    /// Whether its values are checked against a type.
+    /// True if values are checked against a type.
     pub(crate) typed: bool,
     pub(crate) initial: D,
 }
@@ -133,19 +133,19 @@ pub(crate) struct Scoped<D> {
 /// A reason why a container aborts before anything in it runs.
 #[derive(Debug)]
 pub(crate) struct Fault<D> {
-    /// The scoped variable that cannot be made, if it is one.
+    /// The scoped variable that cannot be created, if that is the reason.
     pub(crate) port: Option<SmolStr>,
     pub(crate) reason: SmolStr,
     /// The reason as a value, for the entry `error`.
     pub(crate) error: Option<D>,
 }
 
-/// What stands behind a library state.
+/// The content of a library state.
 #[derive(Debug)]
 pub(crate) enum Content<D> {
-    /// The library's root; and for each outcome of it, the outcome of the library state.
+    /// The library's root, and for each of its outcomes the outcome of the library state.
     Found { root: NodeId, ports: Option<Box<PortMap>>, outcomes: Box<[u32]> },
-    /// The library is missing, or the state's own file is damaged: the reason as text and as a value.
+    /// The library is missing, or the state's own file is damaged. The reason is given as text and as a value.
     Missing { reason: SmolStr, error: Option<D>, is_library: bool },
 }
 
@@ -158,7 +158,7 @@ impl<D> Content<D> {
     }
 }
 
-/// Which ports are the same, where the lists of a library state and of its root differ.
+/// Maps ports by id, if the port lists of a library state and its root differ.
 #[derive(Debug)]
 pub(crate) struct PortMap {
     /// For each input of the root, the input of the library state.
@@ -169,29 +169,29 @@ pub(crate) struct PortMap {
     pub(crate) outputs: Box<[Option<u32>]>,
 }
 
-/// The value of a port when nothing flows into it.
+/// The value of a port without a data flow.
 #[derive(Debug)]
 pub(crate) enum Initial<D> {
-    /// A value.
+    /// The value of the default.
     Is(D),
     /// The global variable with this name.
     Global(SmolStr),
-    /// None, because its default could not be made.
+    /// `None`, because the default could not be created. Contains the reason.
     Bad(SmolStr),
 }
 
 impl<D> Node<D> {
-    /// The state in the model.
+    /// The state of the model.
     pub fn state(&self) -> &Arc<State> {
         &self.state
     }
 
-    /// The state's id.
+    /// Id of the state.
     pub fn id(&self) -> &StateId {
         &self.state.id
     }
 
-    /// The state's name.
+    /// Name of the state.
     pub fn name(&self) -> &SmolStr {
         &self.state.name
     }
@@ -201,18 +201,18 @@ impl<D> Node<D> {
         self.parent
     }
 
-    /// Its number among the children of its parent; 0 for roots.
+    /// Index among the children of its parent; 0 for roots.
     pub fn child_index(&self) -> usize {
         self.child_index as usize
     }
 
-    /// Whether it was in an earlier program of the run only: it is never entered, and here so that what happened in it can
-    /// still be read.
+    /// True if the state exists only in an earlier program of the run. It is never entered, but its history remains
+    /// readable.
     pub fn is_gone(&self) -> bool {
         self.gone
     }
 
-    /// The node of its child with this index. The root of its content is the only child of a library state.
+    /// The node of the child with this index. The only child of a library state is the root of its content.
     pub fn child(&self, index: usize) -> Option<NodeId> {
         match &self.body {
             Body::Hierarchy(inside) | Body::Concurrency(_, inside) => {
@@ -223,7 +223,7 @@ impl<D> Node<D> {
         }
     }
 
-    /// How many children it has; 1 for a library state whose library was found.
+    /// Number of children; 1 for a library state whose library was found.
     pub fn children(&self) -> usize {
         self.child_count() as usize
     }
@@ -236,12 +236,12 @@ impl<D> Node<D> {
         }
     }
 
-    /// Whether it runs a script: an execution state or a decider.
+    /// True for an execution state or decider, which run a script.
     pub fn is_script(&self) -> bool {
         matches!(self.body, Body::Script)
     }
 
-    /// What it does when the ground is lost; `None` if the state around it decides.
+    /// The state's own policy for this loss; `None` if the state around it decides.
     pub fn loss_policy(&self, loss: Loss) -> Option<LossPolicy> {
         let policies = self.loss.as_deref()?;
         match loss {
@@ -250,17 +250,17 @@ impl<D> Node<D> {
         }
     }
 
-    /// Its input ports; lists of inputs have one entry for each, in this order.
+    /// The input ports. Lists of inputs have one entry for each, in this order.
     pub fn inputs(&self) -> &[Port] {
         self.state.inputs.as_slice()
     }
 
-    /// Its output ports; lists of outputs have one entry for each, in this order.
+    /// The output ports. Lists of outputs have one entry for each, in this order.
     pub fn outputs(&self) -> &[Port] {
         self.state.outputs.as_slice()
     }
 
-    /// Its outcomes: preempted, aborted, then the user's by rising id.
+    /// The outcomes: preempted, aborted, then the user's by rising id.
     pub fn outcomes(&self) -> &[Outcome] {
         &self.outcomes
     }

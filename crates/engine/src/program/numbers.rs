@@ -1,5 +1,4 @@
-//! Which state gets which number. Knows the program of before, so that a state keeps its number while it stands where it
-//! stood, but not what is in a state.
+//! Assigns numbers to states. A state keeps its number while its id and its parent are unchanged.
 
 use super::Program;
 use super::compile::index;
@@ -10,18 +9,18 @@ use rafcon_model::{Container, State, StateId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Gives out numbers.
+/// Numbers of the program that is being compiled.
 pub(super) struct Numbers<'p, D> {
     before: Option<&'p Program<D>>,
-    /// The next number that was never used.
+    /// The lowest number that was never used.
     next: u32,
-    /// The root of each library content of this program, by its address. Never iterated.
+    /// The root of each library content of this program, by address. Never iterated.
     contents: BTreeMap<*const State, NodeId>,
-    /// The same of the program before.
+    /// The roots of the library contents of the earlier program, by address.
     earlier: BTreeMap<*const State, NodeId>,
-    /// States that were gone before, by the state around them.
+    /// States removed before the earlier program, by parent and id.
     former: BTreeMap<(NodeId, StateId), NodeId>,
-    /// Numbers of the program before that are used for roots of contents now.
+    /// Numbers of the earlier program that are now used for roots of contents.
     taken: BTreeSet<NodeId>,
 }
 
@@ -59,12 +58,12 @@ impl<'p, D> Numbers<'p, D> {
         NodeId(self.next - 1)
     }
 
-    /// The node of before with this number.
+    /// The earlier node with this number.
     fn earlier(&self, number: NodeId) -> Option<&'p Node<D>> {
         self.before?.nodes.get(number.index())
     }
 
-    /// A number for each child of the container with this number.
+    /// The number of each child of this container.
     pub(super) fn children(&mut self, parent: NodeId, container: &Container) -> Vec<NodeId> {
         let before = self.before;
         let inside = match self.earlier(parent).map(|node| &node.body) {
@@ -84,7 +83,7 @@ impl<'p, D> Numbers<'p, D> {
         container.states.keys().map(&mut number).collect()
     }
 
-    /// The number of the root of a library's content, and whether it is seen for the first time.
+    /// The number of a library content's root; true if the content is new in this program.
     pub(super) fn content(&mut self, library: NodeId, root: &Arc<State>) -> (NodeId, bool) {
         let address = Arc::as_ptr(root);
         if let Some(number) = self.contents.get(&address) {
@@ -98,7 +97,7 @@ impl<'p, D> Numbers<'p, D> {
         (number, true)
     }
 
-    /// The root that the library state with this number had, if it has the same id.
+    /// The earlier root of this library state, if it has this id.
     fn root_before(&self, library: NodeId, id: &StateId) -> Option<NodeId> {
         match &self.earlier(library)?.body {
             Body::Library(content) => {
@@ -108,7 +107,7 @@ impl<'p, D> Numbers<'p, D> {
         }
     }
 
-    /// The nodes in the order of their numbers, with what is left of those that are gone.
+    /// The nodes by number. Removed states keep a placeholder.
     pub(super) fn finish(&self, made: Vec<(NodeId, Node<D>)>) -> Vec<Node<D>> {
         let mut made: BTreeMap<_, _> = made.into_iter().collect();
         let gone = |number| self.earlier(number).map(remains);
@@ -116,7 +115,7 @@ impl<'p, D> Numbers<'p, D> {
     }
 }
 
-/// What is left of a state that is gone: its names.
+/// The placeholder for a removed state, which keeps its names.
 fn remains<D>(node: &Node<D>) -> Node<D> {
     Node {
         state: Arc::clone(&node.state),

@@ -1,10 +1,11 @@
-//! Short lists of all nodes in a few long ones, so that the lists of neighbours lie side by side in memory.
+//! Tables that hold the short lists of all nodes in a few long ones, so that lists of neighbours are adjacent in
+//! memory.
 
 use super::node::Exit;
 use rafcon_model::{DataType, Ports};
 use std::collections::BTreeMap;
 
-/// The lists.
+/// The tables that all nodes of a program share.
 #[derive(Debug, Default)]
 pub(crate) struct Tables {
     numbers: Vec<u32>,
@@ -12,12 +13,12 @@ pub(crate) struct Tables {
     types: Vec<DataType>,
 }
 
-/// For each port, the slots that flow into it, or the slots that it flows into.
+/// The slots that flow into each port, or the slots into which each port flows.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FlowRange {
-    /// Where the ends of the ports' lists begin; the lists follow.
+    /// Index of the first port's list end. The lists follow the ends.
     begin: u32,
-    /// How many ports there are; 0 if nothing flows at all.
+    /// Number of ports; 0 if no port has a flow.
     ports: u32,
 }
 
@@ -28,12 +29,12 @@ pub(crate) struct Checks {
     end: u32,
 }
 
-/// Where the exits of a node begin: one for each of its outcomes.
+/// Index of a node's first exit. Each outcome has one exit.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Exits(u32);
 
 impl FlowRange {
-    /// Whether nothing flows at all.
+    /// True if no port has a flow.
     pub(crate) fn is_empty(self) -> bool {
         self.ports == 0
     }
@@ -57,13 +58,13 @@ impl Tables {
         pairs.map(|pair| (pair[0] as usize, &self.types[pair[1] as usize]))
     }
 
-    /// Where the outcome with this index leads.
+    /// The target of the outcome with this index.
     pub(crate) fn exit(&self, exits: Exits, outcome: u32) -> Exit {
         self.exits.get((exits.0 + outcome) as usize).copied().unwrap_or(Exit::Nowhere)
     }
 }
 
-/// Fills the tables.
+/// Builds the tables of a program.
 #[derive(Debug, Default)]
 pub(super) struct TablesBuilder {
     tables: Tables,

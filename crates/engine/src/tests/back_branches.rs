@@ -1,4 +1,4 @@
-//! Going back through concurrency states: each branch to its own start, and what it gave is taken back.
+//! Steps back through concurrency states: each branch to its own start, with its outputs removed.
 #![expect(clippy::too_many_lines, reason = "what a run does, forwards and back, is long to tell")]
 
 use super::check;

@@ -1,4 +1,4 @@
-//! Going back step by step: through hierarchies, libraries and branches, with the data as it was.
+//! Steps back through hierarchies, libraries and branches, with restored data.
 #![expect(clippy::too_many_lines, reason = "what a run does, forwards and back, is long to tell")]
 
 use super::{check, check_change};

@@ -1,4 +1,4 @@
-//! Breakpoints: where they hold, whom, when, and what they do while no one is connected.
+//! Breakpoints: their places, scopes and conditions, and their actions while no viewer is connected.
 
 use super::check;
 use expect_test::expect;

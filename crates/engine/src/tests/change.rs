@@ -1,4 +1,4 @@
-//! Machines that change while they run.
+//! Changes of the machine during a run.
 
 use super::check_change;
 use expect_test::expect;

@@ -1,9 +1,9 @@
-//! Commands of a run as text, for tests.
+//! Parses commands of a run from text, for tests.
 
 use crate::{Breakpoint, Input, Scope, Silence, Start, Stride, Then, Unattended, When};
 use rafcon_model::{OutcomeId, StatePath, Value, literal};
 
-/// The command that a line means, if it is one.
+/// The command of a line; `None` if the line is not a command.
 pub(super) fn read(head: &str, rest: &str) -> Option<Input<Value>> {
     Some(match head {
         "start" => Input::Start(start(rest)),
@@ -41,7 +41,7 @@ fn step(text: &str) -> Input<Value> {
     Input::Step(stride, path(branch))
 }
 
-/// `hold at ROOT/A then stop ROOT/A.x=1 y=2`: values with a path are given to that state.
+/// `hold at ROOT/A then stop ROOT/A.x=1 y=2`: values with a path are for the state at that path.
 fn start(text: &str) -> Start<Value> {
     let mut start = Start { hold: text.starts_with("hold"), ..Start::default() };
     start.start_from = after(text, "at").map(StatePath::parse);
@@ -63,7 +63,7 @@ fn after<'t>(text: &'t str, word: &str) -> Option<&'t str> {
     text.split(' ').skip_while(|other| *other != word).nth(1)
 }
 
-/// `5`: the ground was not heard for so many ms; `command 5`: no command came for so long.
+/// `5`: the ground was silent for 5 ms; `command 5`: no command came for 5 ms.
 fn silence(text: &str) -> Option<Silence> {
     let command_ms = text.strip_prefix("command ").map(str::parse).transpose().ok()?;
     let link_ms = if command_ms.is_none() { text.parse().ok()? } else { 0 };
@@ -95,7 +95,7 @@ fn breakpoint(text: &str) -> Option<Breakpoint> {
     })
 }
 
-/// `x=1 y="a"`: a value ends at a blank.
+/// `x=1 y="a"`: a space ends a value.
 pub(super) fn assignments(text: &str) -> Vec<(&str, Value)> {
     let pairs = text.split(' ').filter_map(|word| word.split_once('='));
     pairs.map(|(name, value)| (name, literal::parse(value).expect("a literal"))).collect()

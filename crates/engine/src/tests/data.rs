@@ -1,4 +1,4 @@
-//! Where values come from and where they go.
+//! Sources and targets of values.
 
 use super::check;
 use expect_test::expect;

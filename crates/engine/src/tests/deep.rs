@@ -1,4 +1,4 @@
-//! Machines that are much deeper than the stack.
+//! Machines that are much deeper than the call stack.
 
 use crate::{
     Effect, Engine, Input, ModelLiterals, NoGlobals, Outbox, Program, Returned, ScriptResult, Start,
@@ -9,7 +9,7 @@ use rafcon_model::{
 };
 use std::sync::Arc;
 
-/// Hierarchies inside hierarchies; runs the script at the bottom and everything up again.
+/// Nests hierarchies, runs the script at the bottom and then leaves all of them.
 pub(super) fn check_depth(depth: usize) {
     let machine = nested(depth);
     let program = Arc::new(Program::compile(&machine, &mut ModelLiterals));

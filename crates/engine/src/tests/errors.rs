@@ -1,4 +1,4 @@
-//! How an error travels.
+//! Propagation of errors through the machine.
 
 use super::check;
 use expect_test::expect;

@@ -1,4 +1,4 @@
-//! Outcomes that someone chooses, and states that are asked to end one by one.
+//! Forced outcomes, and preemption of single states.
 
 use super::check;
 use expect_test::expect;

@@ -1,4 +1,4 @@
-//! The life of a run: what is legal when, where it begins, how it ends.
+//! The life of a run: its start and end, and the commands that are legal in each status.
 
 use super::check;
 use expect_test::expect;

@@ -1,4 +1,4 @@
-//! Lost link: what policies of states hold and preempt, and what they leave alone.
+//! Lost link: the effects of states' policies, and their limits.
 
 use super::{check, check_change};
 use expect_test::expect;
@@ -556,7 +556,7 @@ fn a_breakpoint_stops_the_run_without_the_ground() {
     );
 }
 
-/// Work is preempted by this policy: its arm is stowed, then the robot goes home.
+/// A machine whose work has this policy. Its recovery stows the arm, then the robot goes home.
 fn work(policy: &str) -> String {
     WORK.replace("POLICY", &format!("semantic {{\"lost_link\": {policy}}}"))
 }

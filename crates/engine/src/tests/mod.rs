@@ -1,4 +1,4 @@
-//! The rules of `docs/semantics.md`: a machine in, a script of inputs in, what the engine did out.
+//! The rules of `docs/semantics.md`. Each test runs a machine with a script of inputs and compares the engine's output.
 
 mod back_branches;
 mod backward;
@@ -26,21 +26,21 @@ mod world;
 use expect_test::Expect;
 use world::World;
 
-/// Runs `script`, one input a line or after `;`, against the machine, and compares everything that the engine did.
+/// Runs the inputs of `script`, one per line or separated by `;`, and compares everything that the engine did.
 ///
-/// Inputs: `start`, `start x=1`, `start hold at ROOT/A then stop ROOT/A.x=1`, `pause`, `resume`, `stop`, and the others in
-/// `commands.rs`; for a script that runs (named by the end of its path) `A done` (an outcome's name), `A 3` (an id),
-/// `A other "text"`, `A raises "boom"`, with outputs behind it: `A done y=2 -z error="boom"` (`-z` leaves an output out);
-/// `global x=5`.
+/// Inputs: `start`, `start x=1`, `start hold at ROOT/A then stop ROOT/A.x=1`, `pause`, `resume`, `stop`, and the others
+/// in `commands.rs`. For a running script, named by the end of its path: `A done` (an outcome's name), `A 3` (an id),
+/// `A other "text"`, `A raises "boom"`. Outputs may follow: `A done y=2 -z error="boom"` (`-z` omits an output).
+/// `global x=5` sets a global variable.
 ///
-/// `cut again` (`wait`, `abort`), also `cut again held`: the run is resumed by another engine (`elsewhere`: with the
-/// machine of [`check_change`]); `keep`, `return`: a moment is kept, and the run goes back to it, held; `recover again`,
-/// `recover abort at ROOT/A`.
+/// `cut again` (or `wait`, `abort`, also `cut again held`) resumes the run in another engine; with `elsewhere`, using
+/// the machine of [`check_change`]. `keep` keeps a moment, and `return` restarts the run there, held. `recover again`
+/// and `recover abort at ROOT/A` recover interrupted scripts.
 fn check(machine: &str, script: &str, expect: &Expect) {
     expect.assert_eq(&World::new(machine).play(script));
 }
 
-/// The same with `next`, which the machine becomes: `change`, `change or wait`.
+/// As [`check`], with a second machine `next`, which `change` and `change or wait` switch to.
 fn check_change(machine: &str, next: &str, script: &str, expect: &Expect) {
     expect.assert_eq(&World::new(machine).with_next(next).play(script));
 }

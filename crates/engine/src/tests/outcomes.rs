@@ -1,4 +1,4 @@
-//! Which outcome a script means.
+//! Mapping from a script's result to an outcome.
 
 use super::check;
 use expect_test::expect;

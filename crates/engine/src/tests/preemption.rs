@@ -1,4 +1,4 @@
-//! Preemptive concurrency states, and how a request to end goes down and comes up.
+//! Preemptive concurrency states, and how a request to end passes through the machine.
 
 use super::check;
 use expect_test::expect;

@@ -1,4 +1,4 @@
-//! Taking a run up again, by another engine.
+//! Restores a run in another engine.
 
 use super::{check, check_change};
 use expect_test::expect;

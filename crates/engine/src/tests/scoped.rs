@@ -127,7 +127,7 @@ hierarchy ROOT
     );
 }
 
-/// A hierarchy with this scoped variable, and a state that takes over when it aborts.
+/// A hierarchy with this scoped variable, and a state that handles its abort.
 fn with_variable(variable: &str) -> String {
     format!(
         "

@@ -1,4 +1,4 @@
-//! Where and how a run begins: held, inside, with values, once or again.
+//! Starts of a run: held, inside, with values, once or again.
 
 use super::check;
 use expect_test::expect;

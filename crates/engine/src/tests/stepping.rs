@@ -1,4 +1,4 @@
-//! Going step by step: into, over and out of states, to a state, on all branches or one.
+//! Steps: into, over and out of states, to a state, on all branches or one.
 
 use super::check;
 use expect_test::expect;

@@ -1,4 +1,4 @@
-//! A driver for tests: reads inputs as text, and writes what the engine did as text.
+//! A driver for tests: parses inputs from text, and writes effects and events as text.
 
 use super::commands::{self, assignments};
 use crate::{
@@ -22,13 +22,13 @@ impl Globals<Value> for Variables {
     }
 }
 
-/// A run with the scripts that it has started.
+/// A run with its active scripts.
 pub(super) struct World {
     engine: Engine<Value>,
     program: Arc<Program<Value>>,
-    /// What the machine is changed to.
+    /// The machine that `change` switches to.
     next: Option<Machine>,
-    /// A moment of the past.
+    /// A kept moment of the past.
     moment: Option<ActiveStateData<Value>>,
     running: Vec<Job<Value>>,
     checks: Vec<u64>,
@@ -52,7 +52,7 @@ impl World {
         }
     }
 
-    /// The machine that `change` changes to.
+    /// Sets the machine that `change` switches to.
     pub(super) fn with_next(mut self, machine: &str) -> Self {
         self.next = Some(notation::parse(machine).expect("a machine in text notation"));
         self
@@ -112,7 +112,7 @@ impl World {
         Input::Change(Change { program, wait })
     }
 
-    /// The run is lost, and resumed by another engine.
+    /// Loses the run, and resumes it in another engine.
     fn cut(&mut self, how: &str) {
         let root = self.engine.configuration().expect("something is active");
         let (counted, stopping) = (self.engine.counted(), self.engine.stopping());
@@ -133,14 +133,14 @@ impl World {
         self.feed(Input::Restore(Box::new(Restore { counted, stopping, begun_at, ..restore })));
     }
 
-    /// The run goes back to the moment that was kept.
+    /// Restarts the run, held, at the kept moment.
     fn go_back(&mut self) {
         let root = self.moment.clone().expect("a moment that was kept");
         let restore = restore(root, Interrupted::Again, true);
         self.feed(Input::Restore(Box::new(restore)));
     }
 
-    /// The end of the script at a path that ends with `state`; of a frame that never was, if it does not run.
+    /// The result of the script whose path ends with `state`, or of an unknown frame if it does not run.
     fn finished(&mut self, state: &str, how: &str) -> Input<Value> {
         let ends = |job: &Job<Value>| {
             let path = self.path(job.path);
@@ -156,14 +156,14 @@ impl World {
         Input::Finished { frame: job.frame, result: result(how, ports, &job.outputs) }
     }
 
-    /// The answer to the oldest condition: `true`, `false`, or why it cannot be told.
+    /// The result of the oldest condition: `true`, `false`, or the reason why it cannot be evaluated.
     fn checked(&mut self, answer: &str) -> Input<Value> {
         let check = if self.checks.is_empty() { 77 } else { self.checks.remove(0) };
         let result = answer.parse().map_err(|_no_bool| answer.into());
         Input::Checked { check, result }
     }
 
-    /// The run keeps so many steps to go back.
+    /// Limits the number of steps that can be undone.
     fn keep_trail(&mut self, steps: &str) {
         let engine = Engine::new(Arc::clone(&self.program));
         self.engine = match steps {
@@ -426,7 +426,7 @@ fn noted(note: &Note) -> String {
     }
 }
 
-/// The entry that is undone.
+/// Text for the undone entry.
 fn back(undoes: Option<NonZeroU64>) -> String {
     undoes.map(|entry| format!(" back {entry}")).unwrap_or_default()
 }

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-/// The deepest nesting.
+/// Limit of the nesting depth.
 const DEPTH: usize = 3;
-/// Times of policies in ms; an odd entry is none.
+/// Times of policies in ms; `None` omits the entry.
 const TIMES: [Option<u64>; 6] = [None, Some(10), None, Some(20), Some(30), None];
 
-/// Numbers that a test has drawn, then zeros.
+/// Numbers that a test has drawn; zeros follow after the last.
 pub(super) struct Choices<'c>(pub(super) std::slice::Iter<'c, u8>);
 
 impl Choices<'_> {
@@ -24,7 +24,7 @@ pub(super) enum Kind {
     Race,
 }
 
-/// Times in ms.
+/// Times of one policy, in ms.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Policy {
     pub(super) finish: Option<u64>,
@@ -32,13 +32,13 @@ pub(super) struct Policy {
     pub(super) recover: Option<u64>,
 }
 
-/// What the oracle knows of a state.
+/// The oracle's view of a state.
 #[derive(Debug)]
 pub(super) struct StateFacts {
     pub(super) kind: Kind,
-    /// Of the link, then of commands.
+    /// Policies for the link, then for commands.
     pub(super) policies: [Option<Policy>; 2],
-    /// Path of the sibling that its outcome *preempted* leads to.
+    /// Path of the sibling that follows the outcome *preempted*.
     pub(super) recovery: Option<String>,
 }
 
@@ -124,7 +124,7 @@ impl RandomMachine {
     }
 }
 
-/// Often none; sometimes `continue`, which has no times.
+/// A random policy: often `None`, sometimes `continue`, which has no times.
 fn policy(loss: usize, choices: &mut Choices<'_>) -> Option<Policy> {
     if choices.below(4 + 8 * loss) > 1 {
         return None;

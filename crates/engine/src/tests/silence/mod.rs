@@ -1,4 +1,4 @@
-//! Lost link over random machines: random silences, ends of scripts, crashes and commands, judged by an oracle.
+//! Lost link over random machines: random silences, ends of scripts, crashes and commands, checked by an oracle.
 
 mod machine;
 mod oracle;
@@ -16,10 +16,10 @@ use rafcon_testkit::notation;
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// Inputs of one run.
+/// Number of inputs in one run.
 const INPUTS: usize = 40;
 
-/// A run, the scripts that it has started, and what judges it.
+/// A run, its active scripts and its oracle.
 struct Trial {
     engine: Engine<Value>,
     running: Vec<Job<Value>>,
@@ -39,7 +39,7 @@ impl Trial {
         }
     }
 
-    /// Gives the run an input that is legal, and lets the oracle judge what follows.
+    /// Passes a legal input to the run, and checks the results with the oracle.
     fn give(&mut self, input: Input<Value>, given: Given) -> Checked {
         let mut out = Outbox::default();
         self.log(&given);
@@ -129,7 +129,7 @@ impl Trial {
         self.give(Input::Finished { frame: job.frame, result }, Given::Other)
     }
 
-    /// The run is lost, and resumed by another engine.
+    /// Loses the run, and resumes it in another engine.
     fn cut(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
         let silence = self.engine.silence();

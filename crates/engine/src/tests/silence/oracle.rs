@@ -1,15 +1,16 @@
-//! A second reading of `docs/semantics.md`, Lost link: follows the events of a run and objects to a hold, a begin or a
-//! recovery that the policies do not allow, and to one that is missing. Knows paths as text; nothing of the engine.
+//! A second implementation of `docs/semantics.md`, Lost link. It follows the events of a run, and reports a hold, a
+//! begin or a recovery that the policies forbid, and one that is missing. It knows paths as text, and nothing of the
+//! engine.
 
 use super::machine::{Kind, Policy, StateFacts};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What was lost: 0 the link, 1 commands.
+/// Index of a loss: 0 the link, 1 commands.
 pub(super) type LossIndex = usize;
 
 pub(super) type Checked = Result<(), String>;
 
-/// What a run is given, as far as it matters here.
+/// The inputs of a run that matter for policies.
 #[derive(Debug)]
 pub(super) enum Given {
     Silence([u64; 2]),
@@ -20,12 +21,12 @@ pub(super) enum Given {
     Other,
 }
 
-/// What a run does.
+/// The events of a run that matter for policies.
 #[derive(Debug, Clone)]
 pub(super) enum Seen {
     Entered(String),
     Left(String, String),
-    /// `None`: held by something else than a policy.
+    /// A hold. `None`: the cause is not a policy.
     Held {
         path: String,
         next: Option<String>,
@@ -38,23 +39,23 @@ pub(super) enum Seen {
 pub(super) struct Oracle {
     states: BTreeMap<String, StateFacts>,
     silence: [u64; 2],
-    /// Active states, and whether each was asked to end.
+    /// Active states; true if the state was asked to end.
     active: BTreeMap<String, bool>,
     /// States active before a restore that have not come back.
     lost: BTreeMap<String, bool>,
-    /// Outcomes of children that were left.
+    /// Outcomes of ended children.
     outcomes: BTreeMap<String, String>,
-    /// The child of a container that was left last.
+    /// The child of a container that ended last.
     last: BTreeMap<String, String>,
     decided: BTreeSet<String>,
     held: BTreeSet<(String, Option<String>)>,
     let_go: BTreeSet<(String, Option<String>)>,
-    /// Children behind which a pause must follow.
+    /// Children after which a hold must follow.
     due: BTreeSet<String>,
     recovering: BTreeSet<String>,
     /// Recoveries that must begin, by the container.
     awaited: BTreeMap<String, String>,
-    /// How many holds and recoveries were seen.
+    /// Numbers of holds and of recoveries.
     pub(super) seen: [usize; 2],
 }
 
@@ -90,7 +91,7 @@ impl Oracle {
         }
     }
 
-    /// The run waits for its next input.
+    /// Checks the run when it waits for its next input.
     pub(super) fn rest(&mut self) -> Checked {
         self.let_go.clear();
         demand(self.lost.is_empty(), "a state did not come back", &self.lost)?;
@@ -177,7 +178,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// The child behind which a container may be held.
+    /// The child after which a container may be held.
     fn held_behind(&self, path: &str, next: Option<&String>, loss: LossIndex) -> Option<String> {
         if !self.active.contains_key(path) || self.asked(path) {
             return None;
@@ -202,7 +203,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// Asks the states in one to end, and the state itself.
+    /// Marks the states in `top`, and optionally `top` itself, as asked to end.
     fn ask(&mut self, top: &str, and_itself: bool) {
         for (path, asked) in &mut self.active {
             *asked |= is_below(path, top) && (and_itself || path != top);
@@ -214,7 +215,7 @@ impl Oracle {
         self.held.retain(|(path, _)| !(is_below(path, top) && ends(path)));
     }
 
-    /// A state whose time is over, and in which no policy counts first.
+    /// True if a policy must preempt this state: its time is over, and no policy inside it takes precedence.
     fn recovers(&self, path: &str, loss: LossIndex) -> bool {
         let inner = |inner: &String| inner != path && is_below(inner, path);
         let mut inside = self.active.keys().filter(|path| inner(path));
@@ -224,7 +225,7 @@ impl Oracle {
             && inside.all(|inner| self.own(inner, loss).is_none())
     }
 
-    /// The state by whose policy this one may not begin.
+    /// The state whose policy forbids this one to begin.
     fn holder_before(&self, path: &str, loss: LossIndex) -> Option<String> {
         let mut owner = path;
         while self.own(owner, loss).is_none() {
@@ -266,7 +267,7 @@ impl Oracle {
         self.active.get(path).copied().unwrap_or_default()
     }
 
-    /// Whether a branch that begins in this state is asked to end at once.
+    /// True if a branch that begins in this state is asked to end at once.
     fn begins_asked(&self, path: &str) -> bool {
         self.kind(path) != Kind::Hierarchy && (self.asked(path) || self.decided.contains(path))
     }
