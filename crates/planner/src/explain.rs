@@ -1,40 +1,41 @@
-//! Why a step is in a plan: what it needs and who brought it, what it brings and who needs it.
+//! The reason for each step of a plan: the facts that it needs and their sources, the facts that it brings and their
+//! users.
 
 use crate::ground::{Binding, Changes, Literal};
 use crate::plan::Plan;
 use crate::task::Task;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a step needs.
+/// A fact that a step needs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Need {
-    /// What holds, or must not hold.
+    /// The fact, or its negation.
     pub fact: Literal,
-    /// The step that brought it; `None`: it was there from the beginning.
+    /// The step that brought the fact; `None` if it holds from the beginning.
     pub from: Option<usize>,
 }
 
-/// What a step brings.
+/// A fact that a step brings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gain {
-    /// What holds, or must not hold.
+    /// The fact, or its negation.
     pub fact: Literal,
-    /// The steps that need it.
+    /// Later steps that need the fact.
     pub steps: Vec<usize>,
-    /// Whether the goal does.
+    /// True if the goal needs the fact.
     pub goal: bool,
 }
 
-/// Why a step is there.
+/// The reason why a step is in a plan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Reason {
-    /// What it needs.
+    /// Facts that the step needs.
     pub needs: Vec<Need>,
-    /// What it brings that is needed.
+    /// Needed facts that the step brings.
     pub brings: Vec<Gain>,
 }
 
-/// The reason of each step of a valid plan, in its order.
+/// Returns the reason for each step of a valid plan, in plan order.
 pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
     let ground = task.ground();
     let mut world = task.world();
@@ -56,7 +57,7 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
         }
         for effect in &action.effects {
             let mut changes = Changes::default();
-            // What has no value stays out of an explanation; the validator has had its say.
+            // An explanation omits numbers without a value; the validator reports them.
             let _missing = ground.changes(effect, &binding, &world, &mut changes);
             let changed = changes.adds.iter().chain(&changes.deletes).cloned();
             let before: Vec<_> =

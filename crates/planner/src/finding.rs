@@ -1,25 +1,25 @@
-//! What is wrong with skills, facts or a goal, named by the states it is about.
+//! Problems of skills, facts or a goal, with the libraries that they concern.
 
 use smol_str::SmolStr;
 use std::fmt;
 
-/// Whether a plan can be made all the same.
+/// The severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// No plan can be made.
+    /// Planning is impossible until this is fixed.
     Error,
-    /// A plan can be made, and may not be what was meant.
+    /// Planning is possible, but the plan may not be the intended one.
     Warning,
 }
 
-/// Something that is wrong.
+/// A problem of skills, facts or a goal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Finding {
-    /// How bad it is.
+    /// Severity of the problem.
     pub severity: Severity,
-    /// The libraries that it is about; none if it is about facts, types or goal.
+    /// The libraries with the problem. Empty if it concerns facts, types or the goal.
     pub libraries: Vec<SmolStr>,
-    /// What it is, and the way out.
+    /// A description of the problem and its remedy.
     pub text: String,
 }
 
@@ -39,7 +39,7 @@ impl Finding {
         Self { severity, libraries, text: text.into() }
     }
 
-    /// Whether no plan can be made.
+    /// True if planning is impossible.
     pub fn is_error(&self) -> bool {
         self.severity == Severity::Error
     }

@@ -1,4 +1,5 @@
-//! Worlds: what holds, which numbers there are, what an action asks of them and does to them. Knows one domain and its objects.
+//! Worlds: facts and numbers, and the conditions and effects of actions on them. This module knows one domain and its
+//! objects.
 
 use crate::pddl::{
     Arithmetic, Assignment, Atom, Comparison, Condition, Domain, Effect, Name, Number, Object,
@@ -7,12 +8,12 @@ use crate::pddl::{
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// A predicate or function with objects.
+/// A predicate or function applied to objects.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fact {
-    /// Which predicate or function.
+    /// The predicate or function.
     pub name: Name,
-    /// The objects.
+    /// Arguments of the fact.
     pub objects: Vec<Name>,
 }
 
@@ -24,12 +25,12 @@ impl fmt::Display for Fact {
     }
 }
 
-/// That a fact holds, or that it does not.
+/// A fact or its negation.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Literal {
-    /// Which fact.
+    /// The fact, without a negation.
     pub fact: Fact,
-    /// Whether it holds.
+    /// True if the fact holds, false for its negation.
     pub holds: bool,
 }
 
@@ -39,16 +40,16 @@ impl fmt::Display for Literal {
     }
 }
 
-/// What holds at a moment.
+/// The facts and numbers at one moment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct World {
-    /// The facts.
+    /// Facts that hold in this world.
     pub facts: BTreeSet<Fact>,
-    /// The numbers.
+    /// Values of the functions.
     pub numbers: BTreeMap<Fact, f64>,
 }
 
-/// What an action changes in one world.
+/// The changes of an action in one world.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Changes {
     pub(crate) adds: Vec<Fact>,
@@ -56,7 +57,7 @@ pub(crate) struct Changes {
     pub(crate) numbers: Vec<(Assignment, Fact, f64)>,
 }
 
-/// All that a condition or effect may look at or change, in any world.
+/// Everything that a condition or effect may read or change, in any world.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Touched {
     pub(crate) reads: BTreeSet<Fact>,
@@ -65,18 +66,18 @@ pub(crate) struct Touched {
     pub(crate) counts: BTreeSet<Fact>,
     /// Numbers that are set or scaled.
     pub(crate) sets: BTreeSet<Fact>,
-    /// Numbers that are increased or decreased: in any order the sum is the same.
+    /// Numbers that are increased or decreased. Such changes commute.
     pub(crate) moves: BTreeSet<Fact>,
 }
 
-/// Which object each variable is, and how long the action takes.
+/// The objects of an action's variables, and the duration of the action.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Binding {
     pub(crate) objects: Vec<(Name, Name)>,
     pub(crate) duration: f64,
 }
 
-/// The domain and the objects: what no action changes.
+/// The domain and the objects, which no action changes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ground<'a> {
     pub(crate) domain: &'a Domain,
@@ -84,7 +85,7 @@ pub(crate) struct Ground<'a> {
 }
 
 impl World {
-    /// The world of a problem.
+    /// The initial world of a problem.
     pub fn new(problem: &Problem) -> Self {
         let binding = Binding::default();
         let facts = problem.facts.iter().map(|atom| binding.fact(atom)).collect();
@@ -93,7 +94,7 @@ impl World {
         Self { facts, numbers }
     }
 
-    /// Deletes come first: what is deleted and added holds.
+    /// Applies changes. Deletes come first, so that a fact that is deleted and added holds.
     pub(crate) fn apply(&mut self, changes: &Changes) {
         for fact in &changes.deletes {
             self.facts.remove(fact);
@@ -132,7 +133,7 @@ impl Binding {
 }
 
 impl Ground<'_> {
-    /// Each way to choose objects for these names, added to a binding.
+    /// All choices of objects for these names, each added to the binding.
     fn each(self, names: &[Typed], binding: &Binding) -> Vec<Binding> {
         let mut all = vec![binding.clone()];
         for typed in names {
@@ -152,7 +153,7 @@ impl Ground<'_> {
         all
     }
 
-    /// `None` if the condition holds, else the part that does not, in words.
+    /// `None` if the condition holds, otherwise a description of the part that does not.
     pub(crate) fn unmet(
         self,
         condition: &Condition,
@@ -211,7 +212,7 @@ impl Ground<'_> {
         }
     }
 
-    /// What an effect changes in this world; `Err` says which number is missing.
+    /// Collects the changes of an effect in this world. An error names the missing number.
     pub(crate) fn changes(
         self,
         effect: &Effect,
@@ -278,7 +279,7 @@ impl Ground<'_> {
         }
     }
 
-    /// What of a condition, or of its opposite, is true in a world: what it is met by.
+    /// Collects the facts in the world that satisfy a condition, or its negation.
     pub(crate) fn ask(
         self,
         (condition, holds): (&Condition, bool),
@@ -337,7 +338,7 @@ impl Ground<'_> {
 }
 
 impl Touched {
-    /// Whether the order of both matters. What one adds twice, or both delete, matters not.
+    /// True if the order of both matters. A fact that both add, or that both delete, does not matter.
     pub(crate) fn disturbs(&self, other: &Self) -> bool {
         let hits = |a: &BTreeSet<Fact>, b: &BTreeSet<Fact>| !a.is_disjoint(b);
         let one_way = |a: &Self, b: &Self| {
@@ -384,7 +385,7 @@ pub(crate) fn value(number: &Number, binding: &Binding, world: &World) -> Result
     }
 }
 
-/// Two numbers that differ by less are the same.
+/// Tolerance within which two numbers are equal.
 pub(crate) const CLOSE: f64 = 1e-6;
 
 pub(crate) fn compare(how: Comparison, a: f64, b: f64) -> bool {

@@ -1,7 +1,8 @@
-//! A planner whose plans are machines: skills are library states with annotations, their domain is merged from a pool, each plan
-//! of an engine is validated, explained, ordered and made a machine (`docs/guide/planning.md`).
+//! A planner whose plans become machines. Skills are library states with annotations, and a pool of them is merged into
+//! a domain. Each plan from an engine is validated, explained, ordered and turned into a machine
+//! (`docs/guide/planning.md`).
 //!
-//! Knows PDDL, plans and the model. Knows nothing of engines as programs, of files, time or execution.
+//! The planner knows PDDL, plans and the model. It knows no engine programs, files, time or execution.
 
 mod explain;
 mod finding;

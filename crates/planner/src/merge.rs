@@ -1,4 +1,4 @@
-//! One domain from the skills of a pool. What contradicts is named by the states that say so.
+//! Merges the skills of a pool into one domain. Findings name the libraries that contradict each other.
 
 use crate::finding::Finding;
 use crate::pddl::{Domain, Name, OBJECT, Signature, Term, Typed};
@@ -6,19 +6,19 @@ use crate::skill::Skill;
 use smol_str::SmolStr;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A domain with the skills behind its actions.
+/// A domain with the skills of its actions.
 #[derive(Debug, Clone)]
 pub struct Pool {
-    /// What they add up to.
+    /// The domain merged from the skills.
     pub domain: Domain,
     /// All skills, sorted by library.
     pub skills: Vec<Skill>,
-    /// What is wrong.
+    /// Problems found during the merge.
     pub findings: Vec<Finding>,
 }
 
 impl Pool {
-    /// Merges the skills; `types` says which type is a kind of which.
+    /// Merges the skills. Each entry of `types` is a type and its parent.
     pub fn new(name: &str, mut skills: Vec<Skill>, types: &[(Name, Name)]) -> Self {
         skills.sort_by(|a, b| a.library.cmp(&b.library));
         let mut pool = Self {
@@ -41,7 +41,7 @@ impl Pool {
         pool
     }
 
-    /// The skill behind an action.
+    /// The skill of an action.
     pub fn skill(&self, action: &str) -> Option<&Skill> {
         self.skills.iter().find(|skill| skill.action.name == action)
     }
@@ -58,7 +58,7 @@ impl Pool {
             let (child, parent) =
                 (child.to_ascii_lowercase().into(), Name::from(parent.to_ascii_lowercase()));
             match parents.get(&child) {
-                // A narrower kind counts: everything is an object.
+                // A narrower parent takes precedence over `object`.
                 Some((other, _)) if *other != parent && parent == OBJECT => {}
                 Some((other, before)) if *other != parent && *other != OBJECT => {
                     let libraries: Vec<_> = before.iter().copied().chain(by).collect();
@@ -247,7 +247,7 @@ fn used_types(skills: &[Skill]) -> Vec<(Name, SmolStr)> {
     all.into_iter().collect()
 }
 
-/// One signature for each name, wide enough for all who use it.
+/// Merges signatures by name. Each result accepts the types of all uses.
 fn merged(
     domain: &Domain,
     all: Vec<(&SmolStr, Signature)>,
@@ -287,7 +287,7 @@ fn merged(
     merged.into_values().map(|(signature, _)| signature).collect()
 }
 
-/// The nearest types that hold for both; `None` if that is only `object`.
+/// The nearest types that cover both; `None` if only `object` does.
 fn join(domain: &Domain, a: &Typed, b: &Typed) -> Option<Vec<Name>> {
     if a.types.is_empty() || b.types.is_empty() {
         return Some(Vec::new());

@@ -1,18 +1,18 @@
-//! Which steps of a plan must come before which: those that disturb each other keep their order, all others are free. Then any
-//! order that keeps these is as good as the plan.
+//! The order in which the steps of a plan must run. Steps that disturb each other keep their order; all others are
+//! free. Each linearisation of this order is as good as the plan.
 
 use crate::ground::Touched;
 use crate::plan::{Plan, Step};
 use crate::task::Task;
 
-/// For each step of a plan those that must end before it begins, sorted; not only the direct ones.
+/// For each step of a plan, the sorted steps that must end before it begins, directly or indirectly.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Order {
     before: Vec<Vec<usize>>,
 }
 
 impl Order {
-    /// The order of a plan that is valid.
+    /// The order of a valid plan.
     pub fn of(task: &Task, plan: &Plan) -> Self {
         let touched: Vec<Touched> = plan.steps.iter().map(|step| touched(task, step)).collect();
         let mut before: Vec<Vec<usize>> = Vec::with_capacity(touched.len());
@@ -29,7 +29,7 @@ impl Order {
         Self { before }
     }
 
-    /// An order from pairs, for tests of what is made of it.
+    /// Creates an order from pairs, for tests of its users.
     #[cfg(test)]
     pub(crate) fn from_pairs(count: usize, pairs: &[(usize, usize)]) -> Self {
         let mut before: Vec<Vec<usize>> = Vec::new();
@@ -44,23 +44,23 @@ impl Order {
         Self { before }
     }
 
-    /// Whether one must end before the other begins.
+    /// True if `earlier` must end before `later` begins.
     pub fn is_before(&self, earlier: usize, later: usize) -> bool {
         self.before.get(later).is_some_and(|before| before.binary_search(&earlier).is_ok())
     }
 
-    /// How many steps there are.
+    /// The number of steps.
     pub fn len(&self) -> usize {
         self.before.len()
     }
 
-    /// Whether there are none.
+    /// True if the plan has no steps.
     pub fn is_empty(&self) -> bool {
         self.before.is_empty()
     }
 }
 
-/// All that a step may look at or change, from its start to its end.
+/// Everything that a step may read or change, from its start to its end.
 fn touched(task: &Task, step: &Step) -> Touched {
     let mut touched = Touched::default();
     if let Ok((action, binding)) = task.bind(step) {

@@ -1,39 +1,39 @@
-//! Plans as engines give them: one JSON object a plan. Knows their form, not whether they are right.
+//! Plans from engines, one JSON object each. This module checks their form; `validate.rs` checks their content.
 
 use crate::pddl::{Name, Object, Renamed};
 use rafcon_model::{Json, json};
 use smol_str::SmolStr;
 use std::fmt;
 
-/// More steps are no plan that a machine is made of.
+/// Limit of the steps in a plan. Longer plans are rejected.
 const STEPS_MAX: usize = 100_000;
 
 /// One action of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// The name of the action.
+    /// Name of the action.
     pub action: Name,
-    /// The objects, one for each parameter, in lower case.
+    /// Objects in lower case, one for each parameter.
     pub objects: Vec<Name>,
-    /// When it begins; of a plan without time, its index.
+    /// Start time; in a plan without time, the index of the step.
     pub start: f64,
-    /// How long it takes; `None` for an action without duration.
+    /// Duration of the step; `None` for an action without duration.
     pub duration: Option<f64>,
 }
 
-/// Actions that lead to a goal.
+/// The actions that reach a goal, with their times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// In the order of their beginnings.
+    /// Steps by start time.
     pub steps: Vec<Step>,
-    /// Whether the times mean something.
+    /// True if the plan has times.
     pub temporal: bool,
-    /// What the engine says that it costs.
+    /// Cost of the plan, as reported by the engine.
     pub cost: Option<f64>,
 }
 
 impl Step {
-    /// When it ends.
+    /// The end time of the step.
     pub fn end(&self) -> f64 {
         self.start + self.duration.unwrap_or_default()
     }
@@ -48,8 +48,9 @@ impl fmt::Display for Step {
 }
 
 impl Plan {
-    /// Reads what an engine says: `{"temporal": …, "cost": …, "steps": [{"action": "(cook bob pizza)", "time": …, "duration": …}]}`.
-    /// `Err` says what is wrong with it.
+    /// Parses the output of an engine:
+    /// `{"temporal": …, "cost": …, "steps": [{"action": "(cook bob pizza)", "time": …, "duration": …}]}`.
+    /// The error describes the problem.
     pub fn read(text: &str) -> Result<Self, String> {
         let document =
             json::parse(text).map_err(|error| format!("the plan is not JSON: {error}"))?;
@@ -72,7 +73,7 @@ impl Plan {
         Ok(Self { steps, temporal, cost })
     }
 
-    /// Gives actions and objects the names that the user has given them.
+    /// Replaces the engine's names of actions and objects with those of the user.
     pub fn restore_names(&mut self, names: &Renamed) {
         for step in &mut self.steps {
             step.action = names.original(&step.action);
@@ -80,7 +81,7 @@ impl Plan {
         }
     }
 
-    /// When the last step ends; 0 for a plan without time.
+    /// The end time of the last step; 0 for a plan without time.
     pub fn makespan(&self) -> f64 {
         if !self.temporal {
             return 0.0;
@@ -109,7 +110,7 @@ fn read_step(at: usize, step: &Json, temporal: bool) -> Result<Step, String> {
     Ok(Step { action, objects: words.collect(), start, duration })
 }
 
-/// How people wrote the name of an object.
+/// The user's spelling of an object's name.
 pub(crate) fn spelling(name: &str, objects: &[Object]) -> SmolStr {
     let found = objects.iter().find(|object| object.name == *name);
     found.map_or_else(|| SmolStr::new(name), |object| object.spelling.clone())

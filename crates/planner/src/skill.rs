@@ -1,5 +1,5 @@
-//! Skills: library states with a planner annotation. Reads what the reference's planner plugin writes into the semantic data of
-//! a library's root (`docs/guide/planning.md`), and what this program adds beside it.
+//! Skills: library states with a planner annotation. The reference's planner plugin writes the annotation into the
+//! semantic data of a library's root (`docs/guide/planning.md`). This program adds an entry of its own.
 
 use crate::finding::Finding;
 use crate::pddl::{
@@ -10,60 +10,60 @@ use rafcon_model::{Json, Outcome, Port, State};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// What happens when a step fails.
+/// The reaction to a failed step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Recovery {
-    /// How often it is tried again.
+    /// Number of retries after a failure.
     pub retries: u32,
-    /// And when that did not help.
+    /// The last resort after the retries.
     pub then: Then,
 }
 
-/// The last resort of a step that fails.
+/// The last resort for a failed step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Then {
-    /// The machine ends by *aborted*.
+    /// Ends the machine with *aborted*.
     #[default]
     GiveUp,
-    /// A person decides.
+    /// Lets a person decide.
     Ask,
-    /// The world is observed, and another plan is made.
+    /// Observes the world and makes another plan.
     Replan,
 }
 
-/// A library state that an engine can plan with.
+/// A library state with which an engine can plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skill {
-    /// Library path and name, joined by `/`.
+    /// Path and name of the library, joined by `/`.
     pub library: SmolStr,
-    /// The name of its root state.
+    /// Name of the library's root state.
     pub title: SmolStr,
-    /// What it does, for people.
+    /// The annotation's description, for people.
     pub description: String,
-    /// What it does, for engines.
+    /// Action for planning engines.
     pub action: Action,
-    /// The predicates that its annotation declares.
+    /// Predicates that the annotation declares.
     pub predicates: Vec<Signature>,
-    /// The numeric functions that its annotation declares.
+    /// Numeric functions that the annotation declares.
     pub functions: Vec<Signature>,
-    /// The types that its annotation names, some with the type that they are a kind of.
+    /// Types that the annotation names, each with its parent if given.
     pub types: Vec<(Name, Option<Name>)>,
-    /// What an engine must know for it.
+    /// PDDL requirements that the annotation names.
     pub requirements: Vec<Name>,
-    /// The root of the library: its ports, its ways to end, its inside.
+    /// The root of the library.
     pub root: Arc<State>,
-    /// The library that answers whether its preconditions hold.
+    /// Path and name of the library that checks the preconditions.
     pub check: Option<SmolStr>,
-    /// What happens when it fails; `None`: what the plan's request says.
+    /// Recovery after a failure; `None` for the one in the request for the plan.
     pub recovery: Option<Recovery>,
 }
 
-/// The entry of the semantic data that the reference's plugin writes.
+/// Key of the reference plugin's entry in the semantic data.
 pub const ANNOTATION: &str = "RAFCONTPP";
-/// The entry of the semantic data that says how a step recovers and is checked.
+/// Key of the entry for recovery and checks in the semantic data.
 pub const PLANNING: &str = "planning";
 
-/// Reads the annotation of a library's root; `None` if it has none.
+/// Parses the annotation of a library's root; `None` if it has none.
 pub fn read_skill(library: &str, root: &Arc<State>) -> Result<Option<Skill>, Finding> {
     let library = SmolStr::new(library);
     let Some(notes) = root.semantic_data.as_deref() else { return Ok(None) };
@@ -98,7 +98,7 @@ pub fn read_skill(library: &str, root: &Arc<State>) -> Result<Option<Skill>, Fin
     }))
 }
 
-/// `Waiter, Location - Place`
+/// Parses `Waiter, Location - Place`.
 fn types(text: &str) -> Vec<(Name, Option<Name>)> {
     let parts = text.split([',', '\n']).map(str::trim).filter(|part| !part.is_empty());
     let lower = |name: &str| Name::from(name.trim().to_ascii_lowercase());
@@ -115,7 +115,7 @@ fn requirements(json: Option<&Json>) -> Vec<Name> {
     items.iter().filter_map(Json::as_str).map(|text| text.to_ascii_lowercase().into()).collect()
 }
 
-/// `{"check": "pool/is_there", "retries": 2, "then": "replan"}`
+/// Parses `{"check": "pool/is_there", "retries": 2, "then": "replan"}`.
 fn read_planning(json: &Json) -> Result<(Option<SmolStr>, Option<Recovery>), String> {
     let entries = json
         .as_object()
@@ -149,7 +149,7 @@ fn read_planning(json: &Json) -> Result<(Option<SmolStr>, Option<Recovery>), Str
 }
 
 impl Then {
-    /// The word that semantic data and requests use.
+    /// Parses the word of semantic data and requests.
     pub fn read(word: &str) -> Result<Self, String> {
         match word {
             "give up" => Ok(Self::GiveUp),
@@ -163,17 +163,17 @@ impl Then {
 }
 
 impl Skill {
-    /// The input port for a parameter: the one with its name, capitals or not.
+    /// The input port with the name of a parameter; an exact match takes precedence over other capitals.
     pub fn port(&self, parameter: &str) -> Option<&Port> {
         port(&self.root, parameter)
     }
 
-    /// The outcome that means that the step is done: the lowest of its own.
+    /// The outcome that means success: the lowest non-mandatory one.
     pub fn done(&self) -> Option<&Outcome> {
         done(&self.root)
     }
 
-    /// What its action says about predicates and functions, in this order: each with the types of the parameters.
+    /// The predicates and functions that the action uses, in this order. Arguments have the types of the parameters.
     pub fn used(&self) -> [Vec<Signature>; 2] {
         let mut used = Used { names: self.action.parameters.clone(), ..Used::default() };
         self.action.needs.iter().for_each(|need| used.condition(need));
@@ -184,7 +184,7 @@ impl Skill {
         [used.predicates, used.functions]
     }
 
-    /// Variables of the action that are no parameters, and objects that it names.
+    /// Variables of the action that are no parameters, and objects that the action names.
     pub fn strangers(&self) -> Vec<Term> {
         let mut used = Used { names: self.action.parameters.clone(), ..Used::default() };
         self.action.needs.iter().for_each(|need| used.condition(need));
@@ -193,7 +193,7 @@ impl Skill {
     }
 }
 
-/// What stands in an action, gathered.
+/// The names that an action uses.
 #[derive(Default)]
 struct Used {
     names: Vec<Typed>,
@@ -288,7 +288,7 @@ impl Used {
     }
 }
 
-/// The input port for a parameter.
+/// The input port for a parameter. An exact match takes precedence over other capitals.
 pub(crate) fn port<'s>(state: &'s State, parameter: &str) -> Option<&'s Port> {
     let loose = || state.inputs.iter().find(|port| port.name.eq_ignore_ascii_case(parameter));
     state.inputs.by_name(parameter).or_else(loose)

@@ -1,32 +1,32 @@
-//! What of a plan is done in sequence and what at the same time, as a tree: the order of the steps exactly where it is made of
-//! series and parallels, level by level elsewhere, which keeps the order and loses time.
+//! The sequential and parallel parts of a plan, as a tree. The tree keeps the exact order of steps where that consists
+//! of series and parallels. Elsewhere it runs level by level, which keeps the order but takes more time.
 
 use crate::order::Order;
 use crate::plan::{Plan, Step};
 use crate::task::Task;
 use crate::validate::{Invalid, validate};
 
-/// Deeper trees are done level by level: nobody reads them.
+/// Limit of the tree's depth. Deeper parts run level by level, because nobody reads them.
 const DEPTH_MAX: usize = 20;
 
-/// Steps in sequence or at the same time.
+/// Steps in sequence or in parallel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Structure {
-    /// One step, by its index.
+    /// One step, by its index in the plan.
     Step(usize),
-    /// One after the other.
+    /// Parts in sequence, without overlap.
     Series(Vec<Self>),
-    /// At the same time; all must end.
+    /// Parts in parallel; all must end.
     Parallel(Vec<Self>),
 }
 
 impl Structure {
-    /// All steps one after the other.
+    /// A sequence of all steps.
     pub fn chain(count: usize) -> Self {
         Self::Series((0..count).map(Self::Step).collect())
     }
 
-    /// As much at the same time as the order allows.
+    /// The most parallel tree that the order allows.
     pub fn of(order: &Order) -> Self {
         let steps: Vec<usize> = (0..order.len()).collect();
         match decompose(order, &steps, 0) {
@@ -35,7 +35,7 @@ impl Structure {
         }
     }
 
-    /// How long it takes if each step takes as long as the plan says.
+    /// The total time, if each step takes its planned duration.
     pub fn makespan(&self, plan: &Plan) -> f64 {
         match self {
             Self::Step(step) => {
@@ -48,15 +48,16 @@ impl Structure {
         }
     }
 
-    /// The time that is lost against the plan.
+    /// The additional time compared with the plan.
     pub fn lost(&self, plan: &Plan) -> f64 {
         let first = plan.steps.iter().map(|step| step.start).fold(f64::INFINITY, f64::min);
         let planned = plan.steps.iter().map(Step::end).fold(0.0, f64::max) - first.min(1e12);
         if plan.temporal { (self.makespan(plan) - planned).max(0.0) } else { 0.0 }
     }
 
-    /// Whether a machine of it does what the plan does: steps that must overlap in time cannot be promised by one. By the way that
-    /// the order is made, one of its linearisations stands for all.
+    /// Checks that a machine with this structure does what the plan does. The check fails if steps must overlap in
+    /// time, which a machine cannot guarantee. One linearisation represents all, because disturbing steps keep their
+    /// order.
     pub fn check(&self, task: &Task, plan: &Plan) -> Result<(), Invalid> {
         let mut time = 0.0;
         let order = self.steps();
@@ -73,7 +74,7 @@ impl Structure {
         })
     }
 
-    /// All steps, in an order that keeps it.
+    /// All steps, in an order that the structure allows.
     pub fn steps(&self) -> Vec<usize> {
         match self {
             Self::Step(step) => vec![*step],
@@ -98,7 +99,8 @@ fn decompose(order: &Order, steps: &[usize], depth: usize) -> Structure {
             parallel.iter().map(|part| decompose(order, part, depth + 1)).collect(),
         );
     }
-    // Parts between which everything is ordered; the lowest index first, as an order never points backwards.
+    // Each pair of steps in different parts is ordered. The lowest index comes first, because an order never points
+    // backwards.
     let series = components(steps, |a, b| !related(a, b));
     if series.len() > 1 {
         return Structure::Series(
@@ -108,7 +110,7 @@ fn decompose(order: &Order, steps: &[usize], depth: usize) -> Structure {
     levels(order, steps)
 }
 
-/// Groups in which each is linked to another, each sorted, by their first members.
+/// The connected components, each sorted, by their first members.
 fn components(steps: &[usize], linked: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut left: Vec<usize> = steps.to_vec();
     let mut groups = Vec::new();
@@ -132,7 +134,7 @@ fn components(steps: &[usize], linked: impl Fn(usize, usize) -> bool) -> Vec<Vec
     groups
 }
 
-/// Each step as early as the number of those before it allows.
+/// Puts each step on the earliest level that its predecessors allow.
 fn levels(order: &Order, steps: &[usize]) -> Structure {
     let mut levels: Vec<Vec<usize>> = Vec::new();
     let mut level_of: Vec<(usize, usize)> = Vec::new();

@@ -1,4 +1,4 @@
-//! What is planned: a domain and a problem that fit each other.
+//! A planning task: a domain and a problem that fit each other.
 
 use crate::finding::Finding;
 use crate::ground::{Binding, Ground, World};
@@ -10,14 +10,15 @@ use std::collections::BTreeSet;
 /// A domain with a problem.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// What can be done.
+    /// Types, predicates, functions and actions.
     pub domain: Domain,
-    /// What is there, and what is wanted.
+    /// Objects, initial facts and the goal.
     pub problem: Problem,
 }
 
 impl Task {
-    /// Puts both together. Facts that no action knows of are left out, as a warning says; whatever else does not fit is an error.
+    /// Combines a domain and a problem. Facts that no action uses are dropped with a warning; any other misfit is an
+    /// error.
     pub fn new(domain: Domain, mut problem: Problem) -> (Self, Vec<Finding>) {
         let mut findings = Vec::new();
         problem.domain = domain.name.clone();
@@ -65,17 +66,17 @@ impl Task {
         Ground { domain: &self.domain, objects: &self.problem.objects }
     }
 
-    /// The world as it is now.
+    /// The initial world of the problem.
     pub fn world(&self) -> World {
         World::new(&self.problem)
     }
 
-    /// How people wrote the name of an object.
+    /// The user's spelling of an object's name.
     pub fn spelling(&self, name: &str) -> SmolStr {
         spelling(name, &self.problem.objects)
     }
 
-    /// The action of a step with what its variables stand for; `Err` says what does not fit.
+    /// The action of a step with the objects of its variables. The error describes the misfit.
     pub(crate) fn bind(&self, step: &Step) -> Result<(&Action, Binding), String> {
         let action = self
             .domain
@@ -129,7 +130,7 @@ fn check_objects(domain: &Domain, problem: &Problem, findings: &mut Vec<Finding>
     }
 }
 
-/// Checks an atom of facts or goal against the signatures.
+/// Checks an atom of facts or the goal against the signatures.
 fn check_atom(
     (domain, problem): (&Domain, &Problem),
     signatures: &[Signature],

@@ -1,6 +1,6 @@
-//! Whether a plan does what it promises: our own word, whatever an engine says. Classical, numeric and temporal plans, by the
-//! rules of PDDL 2.1: what happens at one moment must not disturb each other, and what must hold all the time is looked at after
-//! each moment between start and end.
+//! Validates plans independently of the engine: classical, numeric and temporal plans, by the rules of PDDL 2.1.
+//! Happenings at one moment must not disturb each other. Conditions over all time are checked after each moment between
+//! start and end.
 
 use crate::ground::{Binding, CLOSE, Changes, Touched, World, compare, value};
 use crate::pddl::Action;
@@ -8,12 +8,12 @@ use crate::plan::{Plan, Step};
 use crate::task::Task;
 use std::fmt;
 
-/// Why a plan is not valid.
+/// A reason why a plan is invalid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Invalid {
-    /// The index of the step; `None` if the goal is not reached.
+    /// Index of the step; `None` if the goal is not reached.
     pub step: Option<usize>,
-    /// In words.
+    /// Description for the user.
     pub reason: String,
 }
 
@@ -35,7 +35,7 @@ struct Bound<'t> {
     binding: Binding,
 }
 
-/// A step's start (0) or end (1).
+/// The start (0) or end (1) of a step.
 #[derive(Clone, Copy)]
 struct Happening {
     step: usize,
@@ -43,7 +43,7 @@ struct Happening {
     time: f64,
 }
 
-/// Runs the plan in the task's world; the world after it, or why it is not valid.
+/// Runs the plan in the task's world. Returns the final world, or the reason why the plan is invalid.
 pub fn validate(task: &Task, plan: &Plan) -> Result<World, Invalid> {
     let mut bound = Vec::with_capacity(plan.steps.len());
     for (index, step) in plan.steps.iter().enumerate() {
@@ -87,7 +87,7 @@ fn happenings(bound: &[Bound<'_>]) -> Vec<Happening> {
     for Bound { index, step, action, .. } in bound {
         all.push(Happening { step: *index, end: 0, time: step.start });
         if action.duration.is_some() {
-            // An action with duration in a plan without time: it ends before the next begins.
+            // An action with duration in a plan without time ends before the next begins.
             let time = if step.duration.is_some() { step.end() } else { step.start + 0.5 };
             all.push(Happening { step: *index, end: 1, time });
         }

@@ -1,4 +1,4 @@
-//! Where the states of a plan stand on the screen: in lines that are read like text.
+//! The layout of a plan's states on the screen, in lines from left to right.
 
 use rafcon_model::{Json, Layout};
 
@@ -10,10 +10,10 @@ pub(super) const LEAF: Size = (120.0, 72.0);
 const GAP: Size = (80.0, 56.0);
 const MARGIN: f64 = 50.0;
 const HEADING: f64 = 60.0;
-/// A container is to be so many times as wide as it is high.
+/// Ratio of width to height that a container approximates.
 const SHAPE: f64 = 1.6;
 
-/// Places for children of these sizes, and the size of the container around them.
+/// Positions for children of these sizes, and the size of their container.
 pub(super) fn arrange(sizes: &[Size]) -> (Vec<Size>, Size) {
     let area: f64 = sizes.iter().map(|size| (size.0 + GAP.0) * (size.1 + GAP.1)).sum();
     let widest = sizes.iter().map(|size| size.0).fold(0.0, f64::max);
@@ -34,7 +34,7 @@ pub(super) fn arrange(sizes: &[Size]) -> (Vec<Size>, Size) {
     (places, (right + MARGIN, top + line.max(LEAF.1) + MARGIN))
 }
 
-/// The file's entry of a state.
+/// The layout entry of a state in its file.
 pub(super) fn entry(place: Size, size: Size, has_children: bool) -> Layout {
     let mut members = vec![("rel_pos", tuple(place)), ("size", tuple(size))];
     if has_children {

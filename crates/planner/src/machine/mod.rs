@@ -1,4 +1,4 @@
-//! The machine of a plan: library states in the order that the plan needs, and ways out where one fails.
+//! The machine of a plan: library states in the order of the plan, and the recovery from their failures.
 
 mod layout;
 mod step;
@@ -22,35 +22,35 @@ use smol_str::SmolStr;
 use std::sync::Arc;
 use wiring::{Draft, Ids, SUCCESS, Sized, with_outcomes};
 
-/// A goal that is reached already.
+/// Script of the state for a goal that already holds.
 const NOTHING: &str = include_str!("scripts/nothing.py");
-/// The library that plans again: its path and name.
+/// Path and name of the library that plans again.
 pub const REPLAN: &str = "planning/replan";
-/// The variable with the plans that were tried.
+/// Scoped variable with the plans that were already tried.
 const PLANS: PortId = PortId(0);
 const DECIDE: &str = include_str!("scripts/decide.py");
 
-/// The root of a library by its path and name; `Err` is the reason why there is none.
+/// Returns the root of a library by its path and name. The error is the reason why it is missing.
 pub type FindLibrary<'b> = &'b dyn Fn(&str) -> Result<Arc<State>, String>;
 
-/// What a machine is made of.
+/// The parts from which a machine is built.
 #[derive(Clone, Copy)]
 pub struct Build<'b> {
-    /// The name of the machine.
+    /// Name of the machine.
     pub name: &'b str,
-    /// Domain and problem.
+    /// The domain and the problem.
     pub task: &'b Task,
-    /// The skills.
+    /// The skills of the pool.
     pub pool: &'b Pool,
-    /// A valid plan.
+    /// A valid plan of the task.
     pub plan: &'b Plan,
-    /// What of it is done in sequence and what at the same time.
+    /// The sequential and parallel parts of the plan.
     pub structure: &'b Structure,
     /// The runtime data of objects.
     pub data: &'b Data,
-    /// For skills that declare nothing.
+    /// Recovery of skills that declare none.
     pub recovery: Recovery,
-    /// Where failures are planned around.
+    /// The libraries for planning again after a failure, if that is configured.
     pub replanning: Option<&'b Replanning>,
     /// Finds the libraries that check preconditions.
     pub library: FindLibrary<'b>,
@@ -62,18 +62,18 @@ impl std::fmt::Debug for Build<'_> {
     }
 }
 
-/// How a machine plans again while it runs.
+/// The libraries with which a running machine plans again.
 #[derive(Debug, Clone)]
 pub struct Replanning {
-    /// The library whose output `facts` is the world as it is now.
+    /// The library whose output `facts` is the current world.
     pub observe: (SmolStr, Arc<State>),
     /// The library that plans again, [`REPLAN`].
     pub replan: (SmolStr, Arc<State>),
-    /// What that is told, by the names of its inputs.
+    /// Values for the inputs of `replan`, by name.
     pub inputs: Vec<(SmolStr, Value)>,
 }
 
-/// Why there is no machine.
+/// A reason why a machine cannot be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BuildError {
     /// No skill has this action.
@@ -82,25 +82,25 @@ pub enum BuildError {
     /// A library is missing.
     #[error("the library {library} is missing: {reason}")]
     NoLibrary {
-        /// Which one.
+        /// Path and name of the library.
         library: SmolStr,
-        /// Why.
+        /// The reason why it is missing.
         reason: String,
     },
     /// A library lacks a port or an outcome.
     #[error("the library {library} has no {what} `{name}`: add it")]
     Lacks {
-        /// Which one.
+        /// Path and name of the library.
         library: SmolStr,
-        /// An input, an output or an outcome.
+        /// The kind of the part: input, output or outcome.
         what: &'static str,
-        /// How it is called.
+        /// Name of the missing part.
         name: SmolStr,
     },
-    /// A skill replans, and nobody said how.
+    /// A skill plans again, but no library observes the facts.
     #[error("{0} plans again when it fails: name the library that observes the facts")]
     NoObserver(SmolStr),
-    /// A port cannot be set.
+    /// The value of a port cannot be set.
     #[error("{0}")]
     Value(String),
 }
@@ -111,12 +111,12 @@ impl From<Finding> for BuildError {
     }
 }
 
-/// A machine, and where each step of the plan is in it.
+/// A machine and the places of the plan's steps in it.
 #[derive(Debug, Clone)]
 pub struct Built {
-    /// The outermost state.
+    /// The root of the machine.
     pub root: State,
-    /// The paths of the steps, in the order of the plan.
+    /// The paths of the steps, in plan order.
     pub steps: Vec<StatePath>,
 }
 
@@ -132,7 +132,7 @@ impl Built {
     }
 }
 
-/// Makes the machine. The same plan gives the same machine.
+/// Builds the machine. Equal plans give equal machines.
 pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     let mut ids = Ids::new(u64::try_from(build.plan.steps.len()).unwrap_or_default());
     let mut steps = vec![StatePath(Vec::new()); build.plan.steps.len()];
@@ -158,7 +158,7 @@ pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     let mut maker = Maker { build, ids, steps: &mut steps };
     let first = maker.series(&mut draft, &root, parts, &failed)?;
     if let Some((state, outcome)) = again {
-        // It leads itself to the first step of its plan.
+        // The last replanning state continues with the first step of the plan.
         draft.line((&state, outcome), Target::State(first));
     }
     let mut root = draft.finish(build.name, Kind::Hierarchy, &["success"]);
@@ -169,7 +169,7 @@ pub fn build(build: &Build<'_>) -> Result<Built, BuildError> {
     Ok(Built { root: root.state, steps })
 }
 
-/// The plan as the first that was tried.
+/// The plan as the first entry of the tried plans.
 fn tried(build: &Build<'_>) -> Value {
     let steps = build.plan.steps.iter().map(|step| {
         let objects = step.objects.iter().map(|name| format!(" {}", build.task.spelling(name)));
@@ -183,7 +183,7 @@ fn replans(build: &Build<'_>, skill: &crate::skill::Skill) -> bool {
     is_used && skill.recovery.unwrap_or(build.recovery).then == Then::Replan
 }
 
-/// The states that observe and plan again; returns the first, and the last with its outcome that there is another plan.
+/// Adds the states that observe and plan again. Returns the first state, and the last with its outcome for a new plan.
 fn replan(
     draft: &mut Draft,
     ids: &mut Ids,
@@ -225,7 +225,7 @@ fn replan(
     Ok((first, (second, replanned)))
 }
 
-/// A part of a library that it must have.
+/// Requires a part that a library must have.
 fn part<'p, P>(
     library: &SmolStr,
     what: &'static str,
@@ -242,7 +242,7 @@ struct Maker<'b> {
 }
 
 impl Maker<'_> {
-    /// Puts parts one after the other into a hierarchy; returns the first.
+    /// Adds parts in sequence to a hierarchy and returns the first.
     fn series(
         &mut self,
         draft: &mut Draft,
@@ -274,7 +274,7 @@ impl Maker<'_> {
         Ok(id)
     }
 
-    /// A part as a state, and the outcome by which it is done.
+    /// The state of a part, and the outcome that means success.
     fn part(
         &mut self,
         path: &StatePath,
@@ -325,7 +325,7 @@ impl Maker<'_> {
         }
     }
 
-    /// The name of a container: what is in it, or how much of it.
+    /// The name of a container: the names of its steps, or their number.
     fn name(&self, part: &Structure, between: &str) -> String {
         let steps = part.steps();
         let titles = steps.iter().filter_map(|step| {

@@ -1,4 +1,4 @@
-//! A step of a plan as a state: its library state with its values, and around it what recovers from its failures.
+//! The state of a plan's step: its library state with values, inside a state that recovers from failures.
 
 use super::values;
 use super::wiring::{Draft, Ids, SUCCESS, Sized, script};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 const COUNT_TRIES: &str = include_str!("scripts/count_tries.py");
 const ASK: &str = include_str!("scripts/ask.py");
 
-/// The name of a step, for people.
+/// The display name of a step.
 pub(super) fn title(build: &Build<'_>, skill: &Skill, step: usize) -> String {
     let objects = build.plan.steps[step].objects.iter();
     let objects: Vec<_> = objects.map(|name| spelling(name, &build.task.problem.objects)).collect();
@@ -23,7 +23,7 @@ pub(super) fn title(build: &Build<'_>, skill: &Skill, step: usize) -> String {
     text.trim().to_owned()
 }
 
-/// An instance of a library.
+/// Creates a library state for this library.
 pub(super) fn library(
     id: StateId,
     name: &str,
@@ -50,7 +50,7 @@ pub(super) fn library(
     state
 }
 
-/// The state of a step, and the outcome by which it is done.
+/// The state of a step, and the outcome that means success.
 pub(super) fn state(
     build: &Build<'_>,
     ids: &mut Ids,
@@ -83,7 +83,7 @@ pub(super) fn state(
     Ok((recovered(ids, (&name, own, own_done), check, recovery), SUCCESS))
 }
 
-/// The step inside a hierarchy that checks before, tries again and asks.
+/// A hierarchy around a step that checks first, retries and asks.
 fn recovered(
     ids: &mut Ids,
     (name, own, own_done): (&str, Sized, OutcomeId),

@@ -1,4 +1,4 @@
-//! What the input ports of a step are set to: the runtime data of its objects, else their names.
+//! The values for the input ports of a step: the runtime data of its objects, otherwise their names.
 
 use crate::finding::Finding;
 use crate::pddl::Object;
@@ -7,10 +7,10 @@ use crate::skill::{self, Skill};
 use rafcon_model::{DataType, Port, RuntimeValue, RuntimeValues, State, Value};
 use smol_str::SmolStr;
 
-/// The runtime data of objects, by their names.
+/// The runtime data of objects, by object name.
 pub type Data = [(SmolStr, Value)];
 
-/// The values of a library state for a step. `library` is the skill's own, or one that checks it.
+/// The values of a library state for a step. `library` is the skill's own library, or the one that checks it.
 pub(super) fn of(
     skill: &Skill,
     (library, root): (&SmolStr, &State),
@@ -37,7 +37,7 @@ pub(super) fn of(
     Ok(values)
 }
 
-/// The values of a library state that sets none of its inputs.
+/// The values of a library state that sets no input.
 pub(super) fn defaults(root: &State) -> RuntimeValues {
     let unused = |port: &Port| RuntimeValue { value: port.default.clone(), used: false };
     root.inputs.iter().map(|port| (port.id, unused(port))).collect()

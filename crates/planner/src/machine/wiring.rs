@@ -1,4 +1,4 @@
-//! Containers as they grow: children, transitions, data flows, places on the screen.
+//! Containers under construction: children, transitions, data flows and layout.
 
 use super::layout::{self, Size};
 use rafcon_model::{
@@ -7,10 +7,10 @@ use rafcon_model::{
 };
 use std::sync::Arc;
 
-/// The outcome *success* of all that is made here.
+/// The outcome *success* of all states created here.
 pub(super) const SUCCESS: OutcomeId = OutcomeId(0);
 
-/// Ids that no two states share.
+/// A source of unique state ids.
 #[derive(Debug)]
 pub(super) struct Ids {
     fresh: Fresh,
@@ -29,7 +29,7 @@ impl Ids {
     }
 }
 
-/// A state with the size that it takes.
+/// A state with its size on the screen.
 #[derive(Debug)]
 pub(super) struct Sized {
     pub(super) state: State,
@@ -42,7 +42,7 @@ impl Sized {
     }
 }
 
-/// A container that is being made.
+/// A container under construction.
 #[derive(Debug)]
 pub(super) struct Draft {
     pub(super) id: StateId,
@@ -63,17 +63,17 @@ impl Draft {
         id
     }
 
-    /// The container begins at this child.
+    /// Makes this child the start of the container.
     pub(super) fn start(&mut self, child: &StateId) {
         self.lines.push((Origin::Income, Target::State(child.clone())));
     }
 
-    /// A transition.
+    /// Adds a transition from an outcome of a child.
     pub(super) fn line(&mut self, from: (&StateId, OutcomeId), to: Target) {
         self.lines.push((Origin::Outcome(from.0.clone(), from.1), to));
     }
 
-    /// All outcomes of a child but the one that means success lead here; preemption stays.
+    /// Connects all outcomes of a child except `done` and *preempted* to `to`.
     pub(super) fn failures(&mut self, state: &StateId, done: OutcomeId, to: &Target) {
         let Some(child) = self.children.iter().find(|child| child.state.id == *state) else {
             return;
@@ -88,7 +88,7 @@ impl Draft {
         self.flows.push(((from.0.clone(), from.1), (to.0.clone(), to.1)));
     }
 
-    /// The container, with its children in place.
+    /// Builds the container and lays out its children.
     pub(super) fn finish(
         self,
         name: &str,
@@ -119,14 +119,14 @@ impl Draft {
     }
 }
 
-/// The state with more outcomes, from 0 on.
+/// Adds outcomes to a state, with ids from 0.
 pub(super) fn with_outcomes(mut state: State, names: &[&str]) -> State {
     let own = (0..).zip(names).map(|(id, name)| Outcome::new(OutcomeId(id), name));
     state.outcomes = state.outcomes.iter().cloned().chain(own).collect();
     state
 }
 
-/// An execution state.
+/// Creates an execution state with a script.
 pub(super) fn script(id: StateId, name: &str, text: &str, outcomes: &[&str]) -> State {
     with_outcomes(
         State::new(id, name, Kind::Execution(Script { text: Some(text.into()) })),

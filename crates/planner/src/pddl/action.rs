@@ -1,11 +1,11 @@
-//! Actions: conditions and effects, with and without duration.
+//! Parses actions: conditions and effects, with and without duration.
 
 use super::number::{atom, comparison, is_number, number, term};
 use super::signature::variables;
 use super::text::{Expression, PddlError, read_one};
 use super::{Action, Assignment, Condition, DurationBound, Effect, Number};
 
-/// Reads one `(:action …)` or `(:durative-action …)`.
+/// Parses one `(:action …)` or `(:durative-action …)`.
 pub fn read_action(text: &str) -> Result<Action, PddlError> {
     action(&read_one(text, "an action")?)
 }
@@ -54,7 +54,7 @@ fn action(expression: &Expression) -> Result<Action, PddlError> {
     }
 }
 
-/// A condition; an empty list asks for nothing.
+/// Parses a condition. An empty list always holds.
 pub(super) fn condition(expression: &Expression) -> Result<Condition, PddlError> {
     if expression.list()?.is_empty() {
         return Ok(Condition::nothing());
@@ -157,7 +157,7 @@ fn bounds(expression: &Expression) -> Result<Vec<DurationBound>, PddlError> {
     }
 }
 
-/// The moment that `(at start …)`, `(over all …)` and `(at end …)` name, and what is said about it.
+/// Parses `(at start …)`, `(over all …)` or `(at end …)`: the index of the moment, and the part inside.
 fn moment(expression: &Expression) -> Result<(usize, &Expression), PddlError> {
     let wrong = || {
         expression.error(
@@ -175,7 +175,7 @@ fn moment(expression: &Expression) -> Result<(usize, &Expression), PddlError> {
     Ok((index, what))
 }
 
-/// The parts of an `and`, or the one part.
+/// The parts of an `and`, or the single part.
 fn parts(expression: &Expression) -> Result<&[Expression], PddlError> {
     if expression.list()?.is_empty() {
         return Ok(&[]);

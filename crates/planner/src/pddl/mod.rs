@@ -1,7 +1,7 @@
-//! PDDL as this program knows it: types, predicates, numeric functions, actions with and without duration, problems. Reads and
-//! writes text; knows nothing of states or plans.
+//! The supported PDDL: types, predicates, numeric functions, actions with and without duration, problems. This module
+//! parses and writes text; it knows no states or plans.
 //!
-//! Names are compared in lower case, as the language says; an object keeps the spelling of its first mention.
+//! Names are case-insensitive, as in PDDL, and stored in lower case. An object keeps the spelling of its first mention.
 
 mod action;
 mod number;
@@ -22,181 +22,181 @@ pub use text::{PddlError, Place};
 /// A name in lower case.
 pub type Name = SmolStr;
 
-/// A name with its types: a parameter, or an argument of a predicate. No type means `object`, several mean any of them.
+/// A name with its types: a parameter, or an argument of a predicate. An empty list of types means `object`.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Typed {
-    /// Without the question mark.
+    /// The name without the question mark.
     pub name: Name,
-    /// Any of these.
+    /// Accepted types; any of them fits.
     pub types: Vec<Name>,
 }
 
-/// A predicate or numeric function, and what it takes.
+/// A predicate or numeric function with its arguments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Signature {
-    /// Its name.
+    /// Name of the predicate or function.
     pub name: Name,
-    /// What it takes.
+    /// Arguments with their types.
     pub arguments: Vec<Typed>,
 }
 
 /// A variable or an object.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Term {
-    /// `?x`, without the question mark.
+    /// Name of a variable, without the question mark.
     Variable(Name),
-    /// The name of an object.
+    /// Name of an object.
     Object(Name),
 }
 
-/// A predicate or function with its arguments.
+/// A predicate or function applied to terms.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Atom {
-    /// Which predicate or function.
+    /// Name of the predicate or function.
     pub name: Name,
-    /// Of what.
+    /// Terms in the order of the signature.
     pub arguments: Vec<Term>,
 }
 
-/// How two numbers are compared.
+/// A comparison of two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Comparison {
-    /// `<`
+    /// Less than, written as `<`.
     Less,
-    /// `<=`
+    /// Less than or equal to, `<=`.
     AtMost,
-    /// `=`
+    /// Equal within a tolerance, `=`.
     Equal,
-    /// `>=`
+    /// Greater than or equal to, `>=`.
     AtLeast,
-    /// `>`
+    /// Greater than, written as `>`.
     Greater,
 }
 
 /// A number that depends on the world.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Number {
-    /// Written as it is.
+    /// A number in the text.
     Literal(f64),
     /// The value of a function.
     Function(Atom),
-    /// `?duration`: how long the action takes.
+    /// The duration of the action, `?duration`.
     Duration,
-    /// Two numbers and what is done with them.
+    /// An operation on two numbers.
     Combined(Arithmetic, Box<[Self; 2]>),
 }
 
-/// What is done with two numbers.
+/// An arithmetic operation on two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arithmetic {
-    /// `+`
+    /// Sum, written as `+`.
     Add,
-    /// `-`
+    /// Difference, written as `-`.
     Subtract,
-    /// `*`
+    /// Product, written as `*`.
     Multiply,
-    /// `/`
+    /// Quotient, written as `/`.
     Divide,
 }
 
-/// What holds in a world or does not.
+/// A condition on a world.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {
-    /// It is a fact.
+    /// The fact holds in the world.
     Fact(Atom),
-    /// Both are the same object.
+    /// Both terms are one object.
     Same(Term, Term),
-    /// It does not hold.
+    /// The inner condition does not hold.
     Not(Box<Self>),
-    /// All of them hold; none means nothing is asked.
+    /// All parts hold. An empty list always holds.
     And(Vec<Self>),
-    /// One of them holds.
+    /// At least one part holds.
     Or(Vec<Self>),
-    /// It holds for all objects.
+    /// The inner condition holds for all objects of these types.
     Forall(Vec<Typed>, Box<Self>),
-    /// It holds for one object.
+    /// The inner condition holds for at least one choice of objects.
     Exists(Vec<Typed>, Box<Self>),
-    /// Two numbers compare so.
+    /// The comparison of two numbers holds.
     Compare(Comparison, Number, Number),
 }
 
-/// What happens to a number.
+/// A change of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Assignment {
-    /// `assign`
+    /// Sets the number: `assign`.
     Set,
-    /// `increase`
+    /// Adds to the number: `increase`.
     Increase,
-    /// `decrease`
+    /// Subtracts from the number: `decrease`.
     Decrease,
-    /// `scale-up`
+    /// Multiplies the number: `scale-up`.
     ScaleUp,
-    /// `scale-down`
+    /// Divides the number: `scale-down`.
     ScaleDown,
 }
 
-/// What changes in a world.
+/// An effect of an action on a world.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Effect {
-    /// All of them; none means nothing changes.
+    /// All parts apply. An empty list changes nothing.
     All(Vec<Self>),
-    /// It becomes a fact.
+    /// The fact holds from now on.
     Add(Atom),
-    /// It is a fact no more.
+    /// The fact no longer holds.
     Delete(Atom),
-    /// A number changes.
+    /// The value of a function changes.
     Assign(Assignment, Atom, Number),
-    /// Only where a condition held before.
+    /// The inner effect applies if the condition held before.
     When(Condition, Box<Self>),
-    /// For all objects.
+    /// The inner effect applies to all objects of these types.
     Forall(Vec<Typed>, Box<Self>),
 }
 
-/// What an action may take: the duration compared with a number.
+/// A bound of an action's duration: the comparison and the number.
 pub type DurationBound = (Comparison, Number);
 
-/// An action; one without duration has its precondition and effect at its start.
+/// An action. One without duration has its precondition and effect at its start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Action {
-    /// Its name.
+    /// Name of the action.
     pub name: Name,
-    /// What it is done with.
+    /// Parameters with their types.
     pub parameters: Vec<Typed>,
-    /// `None`: it takes no time.
+    /// Bounds of the duration; `None` if the action takes no time.
     pub duration: Option<Vec<DurationBound>>,
-    /// What it needs: at the start, all the time, at the end.
+    /// Conditions at the start, during the action, and at the end.
     pub needs: [Condition; 3],
-    /// What it does: at the start, at the end.
+    /// Effects at the start and at the end.
     pub effects: [Effect; 2],
 }
 
-/// All that can be said and done.
+/// The types, predicates, functions and actions of a world.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Domain {
-    /// Its name.
+    /// Name of the domain.
     pub name: Name,
-    /// Each type and the one that it is a kind of; `object` is not listed.
+    /// Each type with its parent. `object` itself is not listed.
     pub types: Vec<(Name, Name)>,
-    /// All predicates.
+    /// Predicates with their arguments.
     pub predicates: Vec<Signature>,
-    /// All numeric functions.
+    /// Numeric functions with their arguments.
     pub functions: Vec<Signature>,
-    /// All actions.
+    /// Actions that a plan can use.
     pub actions: Vec<Action>,
-    /// Requirements that annotations name, beyond those that are seen in the actions.
+    /// Requirements from annotations, in addition to those that the actions imply.
     pub requirements: Vec<Name>,
 }
 
-/// The type of everything.
+/// The root of all types.
 pub const OBJECT: &str = "object";
 
 impl Condition {
-    /// Nothing is asked.
+    /// The condition that always holds.
     pub fn nothing() -> Self {
         Self::And(Vec::new())
     }
 
-    /// Whether nothing is asked.
+    /// True if the condition is the empty conjunction.
     pub fn is_nothing(&self) -> bool {
         matches!(self, Self::And(parts) if parts.is_empty())
     }
@@ -208,7 +208,7 @@ impl Domain {
         self.actions.iter().find(|action| action.name == name)
     }
 
-    /// The type and all that it is a kind of, ending with `object`. A circle ends where it closes.
+    /// The type and all its ancestors, up to `object`. The list of a circular type ends where the circle closes.
     pub fn line<'d>(&'d self, name: &'d str) -> Vec<&'d str> {
         let mut line = vec![name];
         while let Some((_, parent)) =
@@ -225,7 +225,7 @@ impl Domain {
         line
     }
 
-    /// Whether something of type `name` may stand where one of `wanted` is asked for.
+    /// True if an object of type `name` fits one of the expected types. An empty list accepts every type.
     pub fn fits(&self, name: &str, wanted: &[Name]) -> bool {
         wanted.is_empty() || self.line(name).iter().any(|kind| wanted.iter().any(|w| w == kind))
     }

@@ -1,4 +1,4 @@
-//! Terms, atoms and numbers.
+//! Parses terms, atoms and numbers.
 
 use super::text::{Expression, PddlError};
 use super::{Arithmetic, Atom, Comparison, Number, Term};
@@ -29,7 +29,7 @@ pub(super) fn atom(expression: &Expression) -> Result<Atom, PddlError> {
     Ok(Atom { name, arguments })
 }
 
-/// Whether an operand of `=` is a number and no term.
+/// True if an operand of `=` is a number, not a term.
 pub(super) fn is_number(expression: &Expression) -> bool {
     match expression {
         Expression::List(..) => true,

@@ -1,4 +1,4 @@
-//! Problems: objects, facts and a goal.
+//! Parses problems: objects, facts and a goal.
 
 use super::action::condition;
 use super::number::{atom, number};
@@ -8,42 +8,42 @@ use super::{Atom, Condition, Name, Number};
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
 
-/// Something in the world.
+/// An object of a world.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Object {
-    /// In lower case.
+    /// Name in lower case.
     pub name: Name,
-    /// As it was written.
+    /// Name as in the text.
     pub spelling: SmolStr,
-    /// Its type; `object` where none was given.
+    /// Type of the object; `object` if none was given.
     pub kind: Name,
 }
 
-/// A world and what is wanted of it.
+/// An initial world with a goal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// Its name.
+    /// Name of the problem.
     pub name: Name,
-    /// The domain that it names.
+    /// Name of its domain.
     pub domain: Name,
-    /// All objects.
+    /// Objects of the world.
     pub objects: Vec<Object>,
-    /// What is a fact now.
+    /// Facts that hold initially.
     pub facts: Vec<Atom>,
-    /// The numbers now.
+    /// Initial values of functions.
     pub numbers: Vec<(Atom, f64)>,
-    /// What is wanted.
+    /// Condition that a plan must reach.
     pub goal: Condition,
-    /// `minimize …` or `maximize …`, as it was written.
+    /// Metric as in the text: `minimize …` or `maximize …`.
     pub metric: Option<String>,
 }
 
-/// Reads a condition, such as a goal.
+/// Parses a condition, such as a goal.
 pub fn read_condition(text: &str) -> Result<Condition, PddlError> {
     condition(&read_one(text, "a condition such as `(and (at kitchen bob))`")?)
 }
 
-/// Reads `(define (problem …) …)`; a goal may be missing, and then asks for nothing.
+/// Parses `(define (problem …) …)`. A missing goal always holds.
 pub fn read_problem(text: &str) -> Result<Problem, PddlError> {
     let expression = read_one(text, "a problem: `(define (problem …) …)`")?;
     let (define, rest) = expression.head()?;
@@ -109,7 +109,7 @@ fn objects(items: &[Expression]) -> Result<Vec<Object>, PddlError> {
     Ok(all)
 }
 
-/// Adds a fact, unless it is among the `known` ones.
+/// Adds a fact, unless `known` contains it.
 fn add_fact(
     problem: &mut Problem,
     known: &mut BTreeSet<Atom>,
@@ -149,7 +149,7 @@ mod tests {
     use super::read_problem;
     use std::fmt::Write as _;
 
-    /// Each name and each fact compared with all others takes minutes.
+    /// A comparison of every name and fact with all others would take minutes.
     #[test]
     fn a_world_of_very_many_objects_and_facts_is_read() {
         let (mut objects, mut facts) = (String::new(), String::new());

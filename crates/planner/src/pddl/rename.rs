@@ -1,13 +1,13 @@
-//! Names for planning engines: letters, digits, `-` and `_` of ASCII, no word of PDDL, none twice.
+//! Names for planning engines: ASCII letters, digits, `-` and `_`, no reserved word, unique across all kinds.
 //!
-//! Engines differ in the names that they accept. Some reject an object that is called like a type.
+//! Engines differ in the names that they accept. Some reject an object with the name of a type.
 
 use super::{
     Action, Atom, Condition, Domain, Effect, Name, Number, OBJECT, Problem, Signature, Term, Typed,
 };
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Words with a meaning of their own in PDDL, or in the programs that read it.
+/// Words with a meaning in PDDL, or in programs that read it.
 const RESERVED: [&str; 37] = [
     "action",
     "all",
@@ -47,10 +47,10 @@ const RESERVED: [&str; 37] = [
     "when",
     "within",
 ];
-/// Functions with a meaning for engines, which keep their names.
+/// Functions with a meaning for engines. They keep their names.
 const KNOWN_FUNCTIONS: [&str; 2] = ["total-cost", "total-time"];
 
-/// A domain and a problem with names for engines, and the way back.
+/// A domain and a problem with names for engines, and the original names.
 #[derive(Debug, Clone)]
 pub struct Renamed {
     /// The domain for an engine.
@@ -61,10 +61,10 @@ pub struct Renamed {
 }
 
 impl Renamed {
-    /// Renames what an engine may not accept; other names stay.
+    /// Renames everything that an engine may reject; other names stay.
     pub fn new(domain: &Domain, problem: &Problem) -> Self {
         let mut names = Names::default();
-        // The first of several equal names stays: types are the least visible.
+        // The first of several equal names stays. Types come last, because users see them least.
         names.add(Kind::Action, domain.actions.iter().map(|action| &action.name));
         names.add(Kind::Predicate, domain.predicates.iter().map(|one| &one.name));
         names.add(Kind::Function, domain.functions.iter().map(|one| &one.name));
@@ -78,12 +78,12 @@ impl Renamed {
         Self { domain, problem, originals: names.originals }
     }
 
-    /// The name in the domain and problem of the user.
+    /// The user's name for an engine's name.
     pub fn original(&self, name: &str) -> Name {
         self.originals.get(name).cloned().unwrap_or_else(|| name.into())
     }
 
-    /// Restores the names of the user in the output of an engine.
+    /// Restores the user's names in the output of an engine.
     pub fn with_originals(&self, text: &str) -> String {
         let mut told = String::with_capacity(text.len());
         let mut rest = text;
@@ -131,7 +131,7 @@ struct Names {
 }
 
 impl Names {
-    /// Gives each name one of its own.
+    /// Assigns a unique name to each of these names.
     fn add<'n>(&mut self, kind: Kind, names: impl Iterator<Item = &'n Name>) {
         for name in names {
             let is_known = (kind == Kind::Type && name == OBJECT)
@@ -149,7 +149,7 @@ impl Names {
         }
     }
 
-    /// A name that nothing has.
+    /// A name that is not in use.
     fn free(&self, kind: Kind, name: &str) -> Name {
         let ascii = |c: char| if is_of_name(c) { c } else { '_' };
         let base: String = name.chars().map(ascii).collect();
@@ -207,7 +207,7 @@ impl Names {
         }
     }
 
-    /// A metric is text: the words behind brackets are functions, others may be objects.
+    /// Renames a metric, which is text. A word after a bracket is a function; others may be objects.
     fn metric(&self, text: &str) -> String {
         let spaced = text.replace('(', " ( ").replace(')', " ) ");
         let mut is_head = false;
@@ -243,7 +243,7 @@ impl Names {
         }
     }
 
-    /// Variables have a question mark, so they need not differ from other names.
+    /// Renames a variable. Its question mark distinguishes it from other names.
     fn variable(&mut self, name: &mut Name) {
         if !is_plain(name) {
             self.add(Kind::Variable, std::iter::once(&*name));

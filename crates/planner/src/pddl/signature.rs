@@ -1,9 +1,9 @@
-//! Lists of names with types, and predicates and functions with what they take.
+//! Parses lists of names with types, and predicates and functions with their arguments.
 
 use super::text::{Expression, PddlError, lower, read};
 use super::{Name, OBJECT, Signature, Typed};
 
-/// Reads predicates or functions one after the other: `(at ?place - location ?who - person)`.
+/// Parses a sequence of predicates or functions: `(at ?place - location ?who - person)`.
 pub fn read_signatures(text: &str) -> Result<Vec<Signature>, PddlError> {
     read(text)?.iter().map(signature).collect()
 }
@@ -13,7 +13,7 @@ pub(super) fn signature(expression: &Expression) -> Result<Signature, PddlError>
     Ok(Signature { name, arguments: variables(rest)? })
 }
 
-/// `?a ?b - type ?c - (either x y)`
+/// Parses `?a ?b - type ?c - (either x y)`.
 pub(super) fn variables(items: &[Expression]) -> Result<Vec<Typed>, PddlError> {
     let mut all = Vec::new();
     for (item, types) in typed(items)? {
@@ -26,7 +26,7 @@ pub(super) fn variables(items: &[Expression]) -> Result<Vec<Typed>, PddlError> {
     Ok(all)
 }
 
-/// Names with the types behind them.
+/// The names, each with its types.
 pub(super) fn typed(items: &[Expression]) -> Result<Vec<(&Expression, Vec<Name>)>, PddlError> {
     let mut all: Vec<(&Expression, Vec<Name>)> = Vec::new();
     let mut open = 0;

@@ -1,16 +1,17 @@
-//! Nested lists of words: what all PDDL is made of. Knows brackets, comments and places, no meaning.
+//! Parses nested lists of words, the syntax of PDDL. This module knows brackets, comments and positions, but no
+//! meaning.
 
 use super::Name;
 use smol_str::SmolStr;
 use std::fmt;
 
-/// How deep lists may nest; deeper text is no PDDL that anyone wrote.
+/// Limit of the nesting depth. No real PDDL is nested deeper.
 const DEPTH_MAX: usize = 100;
 
-/// Where in a text, counted from 1.
+/// A position in a text, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Place {
-    /// The line.
+    /// Line in the text.
     pub line: usize,
     /// The column, in characters.
     pub column: usize,
@@ -22,13 +23,13 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a text is not understood, and where.
+/// A syntax error with its position.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {reason}")]
 pub struct PddlError {
-    /// Where.
+    /// Position of the error.
     pub place: Place,
-    /// What was found, and what would be right.
+    /// The unexpected text, and what is expected instead.
     pub reason: String,
 }
 
@@ -58,7 +59,7 @@ impl Expression {
         }
     }
 
-    /// The word as it is written.
+    /// The word in its original spelling.
     pub(super) fn spelling(&self) -> Option<&SmolStr> {
         match self {
             Self::Word(word, _) => Some(word),
@@ -95,7 +96,7 @@ pub(super) fn lower(word: &str) -> Name {
     }
 }
 
-/// All expressions of a text.
+/// Parses all expressions of a text.
 pub(super) fn read(text: &str) -> Result<Vec<Expression>, PddlError> {
     let mut open: Vec<(Vec<Expression>, Place)> = Vec::new();
     let mut top = Vec::new();
@@ -144,7 +145,7 @@ fn add(open: &mut [(Vec<Expression>, Place)], top: &mut Vec<Expression>, item: E
     }
 }
 
-/// The one list that a text consists of.
+/// Parses a text that consists of one list.
 pub(super) fn read_one(text: &str, what: &str) -> Result<Expression, PddlError> {
     let mut all = read(text)?.into_iter();
     let missing = || PddlError {

@@ -1,4 +1,4 @@
-//! PDDL as text, for engines and people.
+//! Writes PDDL text, for engines and people.
 
 use super::{
     Action, Arithmetic, Assignment, Atom, Comparison, Condition, Domain, Effect, Name, Number,
@@ -153,7 +153,7 @@ impl Display for Action {
     }
 }
 
-/// The parts of an effect, each with its moment: some engines understand no `and` inside one.
+/// The parts of an effect, each with its moment. Some engines do not accept `and` inside one.
 fn timed(when: &str, effect: &Effect) -> Vec<String> {
     match effect {
         Effect::All(parts) => parts.iter().flat_map(|part| timed(when, part)).collect(),
@@ -203,7 +203,7 @@ impl Display for Problem {
 }
 
 impl Domain {
-    /// What an engine must know for this domain.
+    /// The PDDL requirements of this domain, from annotations and from its contents.
     fn all_requirements(&self) -> BTreeSet<Name> {
         let mut text = String::new();
         for action in &self.actions {

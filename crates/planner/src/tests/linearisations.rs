@@ -1,4 +1,4 @@
-//! By chance: every order in which a machine may do its steps is a valid plan.
+//! Random tests: every linearisation of a machine's steps is a valid plan.
 
 use crate::pddl::{Condition, Domain, Problem, read_action, read_condition, read_problem};
 use crate::{Order, Plan, Step, Structure, Task, validate};
@@ -19,7 +19,7 @@ impl Chance {
     }
 }
 
-/// Actions over five facts and two numbers, with everything that conditions and effects can say.
+/// Actions over five facts and two numbers, with all kinds of conditions and effects.
 fn domain(chance: &mut Chance) -> Domain {
     let fact = |chance: &mut Chance| {
         format!("(f{} {})", chance.below(3), ["a", "b", "?x"][chance.below(3)])
@@ -64,7 +64,7 @@ fn problem(chance: &mut Chance) -> Problem {
     .unwrap()
 }
 
-/// Steps that can be done one after the other, by trial, and as goal the facts that they leave.
+/// Steps that can run one after the other, found by trial. The facts and numbers after them become the goal.
 fn walk(chance: &mut Chance, task: &mut Task) -> Plan {
     let mut plan = Plan { steps: Vec::new(), temporal: false, cost: None };
     for _ in 0..40 {

@@ -1,4 +1,4 @@
-//! Plans become machines.
+//! Machines built from plans.
 
 use super::{HUNGRY, LUNCH, PERSONS, RESTAURANT, plan, pool, root, task};
 use crate::order::Order;
@@ -60,7 +60,7 @@ fn check(made: Result<State, BuildError>, expect: &Expect) {
             assert!(found.is_empty(), "{found:?}");
             let text = print(&machine);
             let shown = text.lines().filter(|line| !line.trim_start().starts_with("layout"));
-            // What is inside of libraries is theirs.
+            // The content of libraries is not part of the plan's machine.
             super::lines(
                 shown.filter(|line| !line.contains("SKILLX") && !line.contains("semantic")),
             )
@@ -238,7 +238,7 @@ fn observed_by(path: &str, root: Arc<State>) -> Replanning {
     }
 }
 
-/// The library that plans again, as far as machines are concerned.
+/// A minimal library that plans again.
 fn replanner(outcomes: &[&str]) -> Arc<State> {
     let mut again = (*root("Plan again", "facts goal plans=list", &Json::object())).clone();
     let own = (0..).zip(outcomes).map(|(id, name)| Outcome::new(OutcomeId(id), name));
@@ -363,14 +363,14 @@ fn what_is_free_is_done_at_the_same_time() {
     check_shape(3, &[(0, 1), (1, 2)], &expect!["(0 1 2)"]);
     check_shape(3, &[(0, 2), (1, 2)], &expect!["([0 | 1] 2)"]);
     check_shape(5, &[(0, 1), (0, 2), (2, 3), (1, 4), (3, 4)], &expect!["(0 [1 | (2 3)] 4)"]);
-    // An N is no series of parallels: level by level.
+    // The shape N is no series of parallels, so it runs level by level.
     check_shape(4, &[(0, 2), (1, 2), (1, 3)], &expect!["([0 | 1] [2 | 3])"]);
     check_shape(5, &[(0, 2), (1, 2), (1, 3), (3, 4), (2, 4)], &expect!["(([0 | 1] [2 | 3]) 4)"]);
 }
 
 #[test]
 fn what_nests_too_deep_is_done_level_by_level() {
-    // A step, and beside another one the same again; so many steps.
+    // Each even step precedes all later ones. Each odd step runs in parallel to all later ones.
     let nested = |count: usize| {
         let pairs: Vec<_> = (0..count)
             .step_by(2)

@@ -1,4 +1,4 @@
-//! Skills become a domain, or what contradicts is named.
+//! Merging of skills into a domain, and findings about contradictions.
 
 use super::{HUNGRY, PERSONS, RESTAURANT, lines, pool, skills, task};
 use crate::pddl::read_action;

@@ -1,4 +1,4 @@
-//! What the tests share: pools and tasks from text. A skill is a line `library: port port = type`, then its action.
+//! Shared helpers: pools and tasks from text. A skill is a line `library: port port = type`, followed by its action.
 
 mod linearisations;
 mod machines;
@@ -28,7 +28,7 @@ pub(super) fn root(name: &str, ports: &str, notes: &Json) -> Arc<State> {
     Arc::new(state)
 }
 
-/// The annotation as the reference's plugin writes it.
+/// An annotation in the format of the reference's plugin.
 pub(super) fn notes(action: &str, predicates: &str, types: &str, planning: &str) -> Json {
     let text = |text: &str| Json::Str(text.into());
     let annotation = Json::Object(vec![
@@ -48,8 +48,8 @@ pub(super) fn notes(action: &str, predicates: &str, types: &str, planning: &str)
     notes
 }
 
-/// Skills from blocks, each `name ports…` in its first line, then the action; `predicates`, `types` and `planning` begin a line of
-/// their own.
+/// Parses skills from blocks: `name ports…` in the first line, then the action. `predicates`, `types` and `planning`
+/// begin a line of their own.
 pub(super) fn skills(text: &str) -> Vec<Result<Skill, Finding>> {
     let blocks = text.split("skill ").map(str::trim).filter(|block| !block.is_empty());
     blocks
@@ -88,7 +88,7 @@ pub(super) fn task(pool: &Pool, problem: &str) -> (Task, Vec<Finding>) {
     Task::new(pool.domain.clone(), read_problem(problem).unwrap())
 }
 
-/// A plan from lines `(cook bob pizza)`, with time `0: (cook bob pizza) [5]`.
+/// Parses a plan from lines `(cook bob pizza)`, with time `0: (cook bob pizza) [5]`.
 pub(super) fn plan(text: &str) -> Plan {
     let temporal = text.contains('[');
     let steps = text.lines().map(str::trim).filter(|line| !line.is_empty()).map(|line| {

@@ -1,4 +1,4 @@
-//! Names that planning engines accept, and the way back to those of the user.
+//! Names that planning engines accept, and their mapping to the user's names.
 
 use super::{plan, pool, task};
 use crate::Task;

@@ -1,4 +1,4 @@
-//! Plans that are right, and plans that engines only say are right.
+//! Valid plans, and invalid plans that engines report as valid.
 
 use super::{HUNGRY, LUNCH, PERSONS, RESTAURANT, plan, pool, task};
 use crate::{Plan, Task, explain, validate};
