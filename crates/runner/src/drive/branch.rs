@@ -1,4 +1,4 @@
-//! The threads that run scripts: a branch owns one for its life, and a thread whose branch ended takes the next one.
+//! Threads that run scripts. A branch owns one for its life; a thread whose branch ended takes the next branch.
 
 use crate::drive::driver::Driver;
 use crate::places::mailbox::Mailbox;
@@ -9,27 +9,28 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
-/// Room for deep recursion in scripts, the same that a main thread has. Only what is used takes memory.
+/// Stack size of a script's thread, for deep recursion. It equals that of a main thread, and only used pages take
+/// memory.
 const STACK_BYTES: usize = 8 << 20;
 
-/// One piece of work for a branch, and where.
+/// A piece of work for a branch, and its place.
 #[derive(Debug)]
 pub(crate) struct BranchTask<D> {
     pub(crate) work: BranchWork<D>,
     pub(crate) place: Arc<Place>,
 }
 
-/// What a branch's thread can be asked to do.
+/// The work of a branch's thread.
 #[derive(Debug)]
 pub(crate) enum BranchWork<D> {
-    /// Run a script.
+    /// Run the script of a state.
     Script(Job<D>),
-    /// Evaluate a condition.
+    /// Evaluate a breakpoint's condition.
     Condition(Check<D>),
 }
 
 impl<D> BranchTask<D> {
-    /// The branch whose turn it is.
+    /// The branch that the work belongs to.
     pub(crate) fn branch(&self) -> BranchId {
         match &self.work {
             BranchWork::Script(job) => job.branch,
@@ -38,26 +39,26 @@ impl<D> BranchTask<D> {
     }
 }
 
-/// What a thread is told.
+/// A message to a thread.
 #[derive(Debug)]
 pub(crate) enum BranchMessage<D> {
-    /// Run this script of your branch, and what follows it.
+    /// Run this script of the thread's branch, and the scripts that follow it.
     Run(BranchTask<D>),
-    /// Branches without a thread may be waiting.
+    /// Look for branches without a thread.
     Seek,
-    /// There is nothing more to do, ever.
+    /// End this thread for good.
     End,
 }
 
-/// One thread, as others see it.
+/// The shared part of one thread.
 #[derive(Debug)]
 pub(crate) struct Worker<D> {
-    /// Its place in the list of active scripts.
+    /// Index in the list of active scripts.
     pub(crate) slot: usize,
     pub(crate) mailbox: Mailbox<BranchMessage<D>>,
 }
 
-/// Starts a thread that lives in the interpreter and looks for a branch at once.
+/// Starts a thread that enters the interpreter and seeks a branch at once.
 pub(crate) fn start<S: Scripts>(
     driver: &Arc<Driver<S>>,
     slot: usize,
@@ -84,7 +85,7 @@ fn live<S: Scripts>(driver: &Arc<Driver<S>>, worker: &Arc<Worker<S::Value>>) {
     }
 }
 
-/// Does a piece of work and all that follows it: no hand-off on the way.
+/// Does a piece of work and everything that follows it on this thread, without a hand-off.
 fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<BranchTask<S::Value>>) {
     while let Some(turn) = next {
         let branch = turn.branch();
@@ -93,7 +94,7 @@ fn follow<S: Scripts>(driver: &Arc<Driver<S>>, mut next: Option<BranchTask<S::Va
     }
 }
 
-/// Does a piece of work; a defect of ours becomes its error.
+/// Does a piece of work. A panic of RAFCON becomes its error.
 fn answer<S: Scripts>(scripts: &S, turn: BranchTask<S::Value>) -> Input<S::Value> {
     let BranchTask { work, place } = turn;
     match work {

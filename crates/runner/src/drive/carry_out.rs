@@ -1,5 +1,5 @@
-//! What follows from the engine's answer to an input: its events are written down, its effects are carried out. Called with the engine
-//! locked; starts no thread and gives the engine nothing.
+//! Handles the results of an input: records its events and carries out its effects. Called with the engine locked;
+//! starts no thread and passes no input to the engine.
 
 use crate::Scripts;
 use crate::drive::core::{Core, InputOutcome};
@@ -12,7 +12,7 @@ use rafcon_engine::{Effect, Event, Finish, Input, Job, NodeId, PathId};
 use rafcon_protocol::LogLevel;
 
 impl<S: Scripts> Driver<S> {
-    /// Writes down what the engine says after an input, and does what it wants.
+    /// Records the events of an input, and carries out its effects.
     pub(crate) fn carry_out(
         &self,
         core: &mut Core<S::Value>,
@@ -74,7 +74,7 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Why this script cannot run: one of its values is only a stand-in.
+    /// The reason why this script cannot run: one of its inputs is a placeholder for a lost value.
     fn lost_input(&self, job: &Job<S::Value>) -> Option<String> {
         if !self.has_lost_values() {
             return None;
@@ -83,8 +83,8 @@ impl<S: Scripts> Driver<S> {
         values.into_iter().find_map(|value| self.scripts().is_lost(value))
     }
 
-    /// What the events about to be recorded mean to the driver itself: another machine is run from now on; the states that
-    /// are entered, if any has a deadline.
+    /// Applies events to the driver before they are recorded: a change of the machine. Returns the entered states, if
+    /// any state has a deadline.
     fn look_ahead(&self, core: &Core<S::Value>) -> Vec<(PathId, NodeId)> {
         let mut entered = Vec::new();
         let any = self.timers().any();

@@ -1,4 +1,4 @@
-//! What only the holder of the engine touches: the engine, its places, and who runs what.
+//! State behind the engine's lock: the engine, its places and its threads.
 
 use crate::drive::branch::{BranchTask, BranchWork, Worker};
 use crate::drive::worker_pool::WorkerPool;
@@ -14,52 +14,52 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-/// What only the holder of the lock touches.
+/// The state that only the holder of the engine's lock may access.
 #[derive(Debug)]
 pub(crate) struct Core<D> {
     pub(crate) engine: Engine<D>,
     pub(crate) outbox: Outbox<D>,
-    /// Answers for work that could not be done.
+    /// Results for work that could not be done.
     pub(crate) pending: VecDeque<Input<D>>,
     pub(crate) known: Vec<Option<KnownPlace<D>>>,
     pub(crate) numbering: Numbering,
-    /// How often the program changed, counted from 1.
+    /// Number of the program's version, counted from 1.
     pub(crate) generation: u32,
-    /// The same places, for those who do not hold the engine.
+    /// The places of `known`, for threads that do not hold the engine.
     places: Arc<Places>,
     pub(crate) crew: WorkerPool<D>,
     pub(crate) threads: Vec<JoinHandle<()>>,
-    /// The engine has panicked.
+    /// True after the engine has panicked.
     pub(crate) is_broken: bool,
-    /// The flags of every place that no script has been asked to end at.
+    /// The pause flags of all places; a new place starts with them.
     flags: u8,
 }
 
-/// A place that the run has met.
+/// A place that the run has reached.
 #[derive(Debug)]
 pub(crate) struct KnownPlace<D> {
     pub(crate) place: Arc<Place>,
     /// The generation of its latest definition in the record; 0 if it has none.
     pub(crate) defined: u32,
-    /// Of a container or library state: what it held in its last run.
+    /// The data of the last run, for a container or library state.
     pub(crate) last: Option<Box<Last<D>>>,
 }
 
-/// What one input came to, for the thread that gave it.
+/// The next work of the thread that passed the input.
 pub(crate) type Next<D> = Option<BranchTask<D>>;
 
-/// What an input comes to, for the thread that gives it.
+/// Results of an input for the thread that passed it.
 pub(crate) struct InputOutcome<D> {
-    /// The thread's branch; none for a command from outside.
+    /// The thread's branch; `None` for an input from outside.
     own: Option<BranchId>,
-    /// The next script of that branch.
+    /// The next work of that branch.
     next: Next<D>,
-    /// The thread itself, if that branch has ended.
+    /// The thread itself, if its branch has ended.
     freed: Option<Arc<Worker<D>>>,
 }
 
 impl<D> InputOutcome<D> {
-    /// Nothing came of it yet.
+    /// The results of an input before any effect.
     pub(crate) fn of(own: Option<BranchId>) -> Self {
         Self { own, next: None, freed: None }
     }
@@ -82,12 +82,12 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    /// The place with this number, made if it is new.
+    /// The place with this number; created if it is new.
     pub(crate) fn place_of(&mut self, path: PathId, node: NodeId) -> &Arc<Place> {
         &self.known(path, node).place
     }
 
-    /// The same with what the record knows of it.
+    /// The place with this number and its recorded data; created if it is new.
     pub(crate) fn known(&mut self, path: PathId, node: NodeId) -> &mut KnownPlace<D> {
         let index = path.index();
         if self.known.len() <= index {
@@ -107,20 +107,20 @@ impl<D: Datum> Core<D> {
         })
     }
 
-    /// Makes ready what the script's thread needs.
+    /// Prepares the task of a script.
     pub(crate) fn begin(&mut self, job: Job<D>) -> BranchTask<D> {
         let place = Arc::clone(self.place_of(job.path, job.node));
         place.signals.begin(job.preempted);
         BranchTask { work: BranchWork::Script(job), place }
     }
 
-    /// The same for a condition.
+    /// Prepares the task of a condition.
     pub(crate) fn begin_check(&mut self, check: Check<D>) -> BranchTask<D> {
         let place = Arc::clone(self.place_of(check.path, check.node));
         BranchTask { work: BranchWork::Condition(check), place }
     }
 
-    /// How many threads there were.
+    /// The number of threads started.
     #[cfg(test)]
     pub(crate) fn threads(&self) -> usize {
         self.threads.len()
@@ -170,7 +170,7 @@ impl<D: Datum> Core<D> {
         }
     }
 
-    /// What the thread that gave the input does next.
+    /// Returns the next work of the thread that passed the input.
     pub(crate) fn settle(&mut self, turn: InputOutcome<D>) -> Next<D> {
         match (turn.next, turn.freed, turn.own) {
             (Some(next), _, _) => Some(next),
@@ -184,7 +184,7 @@ impl<D: Datum> Core<D> {
     }
 }
 
-/// How much is kept of the state at `path`, if everything is kept of the run.
+/// The keeping level of the state at `path`, if the run keeps everything.
 fn level<D: Datum>(engine: &Engine<D>, path: PathId) -> Keeping {
     let around = std::iter::successors(Some(path), |path| engine.path_parent(*path));
     let node = |path| Some(engine.program().node(engine.path_node(path)?));

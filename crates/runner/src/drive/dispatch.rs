@@ -1,5 +1,5 @@
-//! What a command comes to: inputs of the engine, answers to questions. Knows the vocabulary of commands; knows nothing of
-//! who sends them.
+//! Maps commands to inputs of the engine, or to other actions such as the answer to a question. This module knows the
+//! commands, but not their senders.
 
 use crate::drive::error::CommandError;
 use crate::drive::record_events::ExtraRecords;
@@ -14,34 +14,34 @@ use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::Duration;
 
-/// The exit status of a runner that was killed by a command, as a shell knows it.
+/// The exit status of a runner that a command killed, as in a shell.
 const KILLED: i32 = 137;
-/// How long it may take to note down that the run is killed.
+/// Timeout for recording that the run is killed.
 const LAST_LINE: Duration = Duration::from_millis(200);
 
-/// What is to be carried out, for as long as it is wanted.
+/// The command behind an action, with its expiry.
 pub(crate) struct Order<'o> {
     envelope: Option<&'o Envelope>,
 }
 
 impl<'o> Order<'o> {
-    /// What a command asks for.
+    /// The order of a command.
     fn of(envelope: &'o Envelope) -> Self {
         Self { envelope: Some(envelope) }
     }
 
-    /// What no one asked for just now: it is never too late, and not noted down as a command.
+    /// An order without a command: it never expires and is not recorded as a command.
     pub(crate) fn ours() -> Self {
         Self { envelope: None }
     }
 
-    /// Whether no one wants it any more.
+    /// True if the command has expired.
     pub(crate) fn is_late(&self) -> bool {
         let expiry = self.envelope.and_then(|envelope| envelope.expiry);
         expiry.is_some_and(|expiry| expiry.0 < Clock::epoch_ms())
     }
 
-    /// That it was carried out.
+    /// The record that the command was applied.
     pub(crate) fn note(&self) -> Option<Record> {
         Some(commanded(self.envelope?, Answer::Applied))
     }
@@ -51,16 +51,16 @@ fn commanded(envelope: &Envelope, answer: Answer) -> Record {
     tell::told(Event::Commanded { envelope: Box::new(envelope.clone()), answer })
 }
 
-/// Whether a command that was carried out is written down already.
+/// State of the record of an applied command.
 enum Executed {
-    /// In one group with what follows from it: a crash leaves both or none.
+    /// Recorded in one group with its results: a crash leaves both or none.
     Noted,
-    /// Not yet.
+    /// Not recorded until now.
     Unnoted,
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Carries a command out and notes it down with its answer. Called on any thread, outside the interpreter.
+    /// Carries a command out and records it with its answer. Called on any thread, outside the interpreter.
     pub fn obey(self: &Arc<Self>, envelope: &Envelope) -> Answer {
         let answer = match self.carry_out_command(envelope) {
             Ok(Executed::Noted) => return Answer::Applied,
@@ -94,7 +94,7 @@ impl<S: Scripts> Driver<S> {
             }
             Command::EditScript { path, script } => self.edit_script(path, script)?,
             Command::Reload { wait } => self.reload(*wait)?,
-            // Noted down like every command: the journal says who commanded when.
+            // Recorded like every command, so that the journal shows the changes of control.
             Command::Control { .. } => {}
             Command::StartFromHistory { sequence } => {
                 return self.start_from_history(*sequence, &order).map(|()| Executed::Noted);
@@ -104,8 +104,8 @@ impl<S: Scripts> Driver<S> {
         Ok(Executed::Unnoted)
     }
 
-    /// Carries out a command that the engine takes. A command about the pace of the run also decides that its journal does not
-    /// any more: a run that is paused until a disk has room stays paused if someone wants that.
+    /// Carries out a command that is an input of the engine. A command about the pace of the run also ends a pause by
+    /// the journal: a run that is paused until a disk has room stays paused after a pause command.
     fn carry_out_input(
         self: &Arc<Self>,
         command: &Command,
@@ -130,7 +130,7 @@ impl<S: Scripts> Driver<S> {
         Ok(())
     }
 
-    /// Writes something down, if that takes no longer than a moment.
+    /// Records something, but waits only a moment for it.
     fn tell_briefly(self: &Arc<Self>, record: Record) {
         let driver = Arc::clone(self);
         let (told, wait) = mpsc::sync_channel::<()>(1);
@@ -138,13 +138,13 @@ impl<S: Scripts> Driver<S> {
             driver.record().note([record]);
             drop(told);
         };
-        // A disk that refuses must not keep anyone from ending a run.
+        // A failing disk must not prevent the end of a run.
         if thread::Builder::new().name("last line".to_owned()).spawn(tell).is_ok() {
             let _told = wait.recv_timeout(LAST_LINE);
         }
     }
 
-    /// The input that a command stands for.
+    /// The engine's input for a command.
     fn input_of(&self, command: &Command) -> Result<Input<S::Value>, CommandError> {
         let begin = |path: &str, data, then| self.start(Some(path), data, then);
         Ok(match command {
@@ -198,7 +198,7 @@ impl<S: Scripts> Driver<S> {
         Ok((StatePath::parse(&given.path), given.name.as_str().into(), value))
     }
 
-    /// Ends the process, whatever its scripts do. Viewers see the connection end.
+    /// Ends the process without waiting for its scripts. Viewers see the connection end.
     fn kill(self: &Arc<Self>, envelope: &Envelope) -> ! {
         self.tell_briefly(commanded(envelope, Answer::Applied));
         signal_hook::low_level::exit(KILLED)

@@ -1,5 +1,5 @@
-//! The machine that a run goes by, and how it changes while it runs: an edit reaches the engine between two steps, or not at
-//! all. Knows roots, but not who changes them.
+//! The current machine of a run, and its changes. An edit reaches the engine between two steps, or not at all. This
+//! module knows roots, but not who changes them.
 
 use crate::drive::core::Core;
 use crate::drive::error::ChangeError;
@@ -12,12 +12,12 @@ use rafcon_model::{BuiltinTypes, Machine, StatePath};
 use rafcon_protocol::Event;
 use std::sync::Arc;
 
-/// What became of a change that was not refused.
+/// The result of an accepted change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edited {
-    /// The run goes by the changed machine.
+    /// The run uses the changed machine.
     Applied,
-    /// It will, once a state that the change touches was left.
+    /// The change waits until the states that it affects have ended.
     Waits,
 }
 
@@ -25,21 +25,21 @@ pub enum Edited {
 #[derive(Debug)]
 pub(crate) struct Document<D> {
     current: RwLock<Root<D>>,
-    /// The roots that the engine was given and does not go by yet: one that waits, one that is being given.
+    /// Roots passed to the engine that it does not use yet: one that waits, and one that is being passed.
     coming: Mutex<Vec<Root<D>>>,
-    /// The newest root, waiting or not; taken out by whoever makes the next one.
+    /// The newest root, waiting or not. Taken by the thread that creates the next one.
     newest: Mutex<Option<Root<D>>>,
     returned: Condvar,
-    /// From where it can be read again.
+    /// The source from which the machine can be loaded again.
     source: Option<Source>,
 }
 
-/// One root of the machine.
+/// One version of the machine.
 #[derive(Debug)]
 pub(crate) struct Root<D> {
     pub(crate) machine: Arc<Machine>,
     pub(crate) program: Arc<Program<D>>,
-    /// What was changed since the one that is run, for people.
+    /// A description of the changes since the current root.
     what: String,
 }
 
@@ -51,7 +51,7 @@ impl<D> Clone for Root<D> {
 }
 
 impl<D> Document<D> {
-    /// A machine that no one has changed.
+    /// A machine without changes.
     pub(crate) fn new(machine: Machine, program: Arc<Program<D>>, source: Option<Source>) -> Self {
         let root = Root { machine: Arc::new(machine), program, what: String::new() };
         Self {
@@ -63,12 +63,12 @@ impl<D> Document<D> {
         }
     }
 
-    /// What is run.
+    /// The program of the current machine.
     pub(crate) fn program(&self) -> Arc<Program<D>> {
         Arc::clone(&self.current.read().program)
     }
 
-    /// The machine that is run.
+    /// The machine that currently runs.
     pub(crate) fn machine(&self) -> Arc<Machine> {
         Arc::clone(&self.current.read().machine)
     }
@@ -92,7 +92,7 @@ impl<D> Document<D> {
         Arc::ptr_eq(&self.current.read().program, &root.program)
     }
 
-    /// The root of this program is run from now on; gives it back if it is one that was coming.
+    /// Makes the root of this program the current one, and returns it if it was coming.
     fn adopt(&self, program: &Arc<Program<D>>) -> Option<Root<D>> {
         let mut coming = self.coming.lock();
         let at = coming.iter().position(|root| Arc::ptr_eq(&root.program, program))?;
@@ -101,13 +101,13 @@ impl<D> Document<D> {
         Some(root)
     }
 
-    /// What people call the root that waits, or is just being given.
+    /// The description of the newest coming root.
     fn last_coming(&self) -> String {
         self.coming.lock().last().map(|root| root.what.clone()).unwrap_or_default()
     }
 }
 
-/// The newest root in the hands of whoever changes it; it is given back whatever happens.
+/// The newest root while a thread changes it. Drop returns the root to the document.
 struct Taken<'d, D> {
     document: &'d Document<D>,
     root: Option<Root<D>>,
@@ -122,10 +122,10 @@ impl<D> Drop for Taken<'_, D> {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Changes the machine that is run: all edits or none. `what` says it to people. A change that would pull the ground
-    /// from under an active state is refused, or waits until that state is left.
+    /// Changes the machine of the run: all edits or none. `what` describes the change for people. A change that affects
+    /// an active state is refused, or waits until that state is left.
     ///
-    /// The structure is the new one as soon as this returns [`Edited::Applied`], also if the caller is a script of the run.
+    /// The new structure applies when this returns [`Edited::Applied`], also if the caller is a script of the run.
     pub fn edit(
         self: &Arc<Self>,
         edits: &[Edit],
@@ -142,7 +142,7 @@ impl<S: Scripts> Driver<S> {
         })
     }
 
-    /// Whether all changes so far are kept: a run that is resumed after a crash goes by them.
+    /// True if all changes are kept, so that a run resumed after a crash uses them.
     pub fn has_kept_changes(&self) -> bool {
         self.roots().are_kept()
     }
@@ -157,7 +157,7 @@ impl<S: Scripts> Driver<S> {
         self.edit(&[edit], &format!("the script of {path}"), false).map(drop)
     }
 
-    /// Reads the machine's folder again and goes by what is there.
+    /// Loads the machine from its folder again, and switches to it.
     pub(crate) fn reload(self: &Arc<Self>, wait: bool) -> Result<(), ChangeError> {
         let source = self.document().source.as_ref();
         let source = source.ok_or(ChangeError::NotFromFolder)?;
@@ -176,7 +176,7 @@ impl<S: Scripts> Driver<S> {
         Ok(())
     }
 
-    /// Goes by what `make` makes of the newest root.
+    /// Switches to the machine that `make` derives from the newest root.
     pub(crate) fn change(
         self: &Arc<Self>,
         what: &str,
@@ -225,14 +225,15 @@ impl<S: Scripts> Driver<S> {
         let is_new = |other: &Root<S::Value>| Arc::ptr_eq(&other.program, &root.program);
         let mut coming = self.document().coming.lock();
         match &answer {
-            // A change that waited is contained in the new one.
+            // The new change contains one that waited.
             Ok(()) => coming.retain(is_new),
             Err(_refused) => coming.retain(|other| !is_new(other)),
         }
         answer
     }
 
-    /// The engine goes by another program from now on. Called with the engine locked, before anything of it runs.
+    /// Follows the engine to another program. Called with the engine locked, before any state of the new program
+    /// begins.
     pub(crate) fn adopt(&self, core: &Core<S::Value>) {
         let Some(root) = self.document().adopt(core.engine.program()) else { return };
         self.timers().adopt(&root.program);
@@ -241,7 +242,7 @@ impl<S: Scripts> Driver<S> {
         self.scripts().changed(&root.machine, &root.program);
     }
 
-    /// The engine waits with a change until the state at `path` is left.
+    /// Reports that a change waits until the state at `path` is left.
     pub(crate) fn change_waits(&self, core: &Core<S::Value>, path: PathId) {
         let path = core.engine.path_text(path).to_string();
         self.record().tell(Event::ChangeWaits { path, change: self.document().last_coming() });

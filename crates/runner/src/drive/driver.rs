@@ -1,5 +1,5 @@
-//! Drives an engine with threads: every input goes through one lock, effects are carried out under it, and a branch's next
-//! script continues inline on the thread that finished the last one.
+//! Drives an engine with threads. Every input takes one lock, under which its effects are carried out. A branch's next
+//! script continues on the thread that finished the last one.
 
 use crate::drive::branch::{self, BranchWork, Worker};
 use crate::drive::core::{Core, InputOutcome, Next};
@@ -38,9 +38,9 @@ pub struct Driver<S: Scripts> {
     timers: Timers,
     pulse: Pulse,
     ground: Ground,
-    /// Who has paused the run: true if its journal did, and not a command.
+    /// True if the journal paused the run, false if a command did.
     journal_pauses: Mutex<bool>,
-    /// Whether there are stand-ins among the values, for which scripts must be looked through.
+    /// True if placeholders for lost values may exist, so that the inputs of scripts must be checked.
     any_lost: AtomicBool,
     roots: Roots,
     ending: Ending<S::Value>,
@@ -83,7 +83,7 @@ impl<S: Scripts> Driver<S> {
         &self.scripts
     }
 
-    /// What is run now.
+    /// The program that currently runs.
     pub fn program(&self) -> Arc<Program<S::Value>> {
         self.document.program()
     }
@@ -92,7 +92,7 @@ impl<S: Scripts> Driver<S> {
         &self.document
     }
 
-    /// The places met so far.
+    /// The places reached until now.
     pub fn places(&self) -> &Arc<Places> {
         &self.places
     }
@@ -125,7 +125,7 @@ impl<S: Scripts> Driver<S> {
         &self.pulse
     }
 
-    /// Whether the run is paused because its journal could not be written. Held by whoever pauses the run or lets it continue.
+    /// True if the run is paused because its journal could not be written. Lock it to pause the run or let it continue.
     pub(crate) fn journal_pauses(&self) -> &Mutex<bool> {
         &self.journal_pauses
     }
@@ -142,16 +142,16 @@ impl<S: Scripts> Driver<S> {
         self.record.clock()
     }
 
-    /// Gives the engine an input from outside its branches.
+    /// Passes an input from outside the branches to the engine.
     pub fn command(self: &Arc<Self>, input: Input<S::Value>) -> Result<(), Refusal> {
         if matches!(input, Input::Stop) {
-            // Whoever holds the engine may wait for a disk that refuses.
+            // The holder of the engine may be waiting for a failing disk.
             self.record.recorder().safety().end();
         }
         self.submit(input, None).map(drop)
     }
 
-    /// Gives the engine the end of a script; the answer is the next script of the same branch, if there is one now.
+    /// Passes the result of a script to the engine. Returns the next work of its branch, if any.
     pub(crate) fn finished(
         self: &Arc<Self>,
         input: Input<S::Value>,
@@ -163,7 +163,7 @@ impl<S: Scripts> Driver<S> {
         })
     }
 
-    /// Does something with the engine that gives it no input, if it can be had until a moment. Called outside the interpreter.
+    /// Accesses the engine without an input, if its lock is free before a deadline. Called outside the interpreter.
     pub(crate) fn try_core<T>(
         &self,
         until: Instant,
@@ -173,7 +173,7 @@ impl<S: Scripts> Driver<S> {
         Some(act(&mut core))
     }
 
-    /// Does something with the engine that gives it no input.
+    /// Accesses the engine without an input.
     pub(crate) fn with_core<T: Send>(
         &self,
         act: impl FnOnce(&mut Core<S::Value>) -> T + Send,
@@ -193,7 +193,7 @@ impl<S: Scripts> Driver<S> {
         end
     }
 
-    /// Ends all threads of the run, which has to be over.
+    /// Ends all threads of a finished run.
     pub(crate) fn close(&self) {
         let mut threads = Vec::new();
         self.scripts.park(&mut || {
@@ -223,7 +223,7 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    /// The lock is taken: whoever holds it may need the interpreter, so it is not waited for from inside.
+    /// Leaves the interpreter before it waits for the lock, because the lock's holder may need the interpreter.
     fn submit_parked(
         self: &Arc<Self>,
         input: Input<S::Value>,
@@ -238,8 +238,9 @@ impl<S: Scripts> Driver<S> {
         answer
     }
 
-    /// Gives the engine an input from outside its branches, unless `late` says that it is too late for it. If it is taken, `then`
-    /// is done before anything follows from it, and what it answers is kept with the events of the input or not at all.
+    /// Passes an input from outside the branches to the engine, unless `late` returns true. If the engine accepts it,
+    /// `then` runs before any effect. The records that `then` returns are kept with the events of the input, or not at
+    /// all.
     pub(crate) fn input_beside(
         self: &Arc<Self>,
         input: Input<S::Value>,
@@ -247,7 +248,7 @@ impl<S: Scripts> Driver<S> {
         then: impl FnOnce() -> ExtraRecords + Send,
     ) -> Result<(), CommandError> {
         if matches!(input, Input::Stop) {
-            // Whoever holds the engine may wait for a disk that refuses.
+            // The holder of the engine may be waiting for a failing disk.
             self.record.recorder().safety().end();
         }
         let take = |core: &mut Core<S::Value>| {
@@ -266,7 +267,7 @@ impl<S: Scripts> Driver<S> {
         self.any_lost.load(Ordering::Relaxed)
     }
 
-    /// There are stand-ins for lost values from now on, if that is so.
+    /// Notes that placeholders for lost values exist, if `any` is true.
     pub(crate) fn note_lost_values(&self, any: bool) {
         self.any_lost.fetch_or(any, Ordering::Relaxed);
     }
@@ -302,8 +303,8 @@ impl<S: Scripts> Driver<S> {
         catch_unwind(AssertUnwindSafe(drive)).unwrap_or_else(|_panic| Err(self.breaks(core)))
     }
 
-    /// The engine, or what carries out what it says, has panicked: it may be changed by half, and takes no further input. The run
-    /// ends with its process, as after any crash.
+    /// Handles a panic of the engine or of an effect. The engine may be partly changed, so it accepts no further input.
+    /// The run ends with its process, as after any crash.
     fn breaks(&self, core: &mut Core<S::Value>) -> Refusal {
         core.is_broken = true;
         let what = "the engine failed; the process of this run ends, and it can be resumed";
@@ -312,7 +313,7 @@ impl<S: Scripts> Driver<S> {
         Refusal::Broken
     }
 
-    /// Sees to it that a thread is on its way to branches that have none, and that scripts without a thread are answered.
+    /// Starts threads for branches that have none, and passes results for scripts that got no thread.
     fn staff(self: &Arc<Self>, core: &mut Core<S::Value>) {
         self.recruit(core);
         while !core.pending.is_empty() {
@@ -324,7 +325,7 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Gives the engine the answers for scripts that could not be run.
+    /// Passes the results for scripts that could not run to the engine.
     fn answer_pending(
         self: &Arc<Self>,
         core: &mut Core<S::Value>,
@@ -364,7 +365,7 @@ impl<S: Scripts> Driver<S> {
         });
     }
 
-    /// The next branch without a thread, for a thread that was sent for it; without one the thread is idle.
+    /// The next branch without a thread, for a thread that was sent for it. Without such a branch, the thread is idle.
     pub(crate) fn seek(self: &Arc<Self>, worker: &Arc<Worker<S::Value>>) -> Next<S::Value> {
         let seek = |core: &mut Core<S::Value>| {
             core.crew.arrive();

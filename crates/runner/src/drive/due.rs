@@ -1,5 +1,5 @@
-//! What becomes of states that are past their time: a deadline preempts the state, a script that does not end in its grace
-//! period ends with the process. Knows the consequences, but not when they are due.
+//! Expired timers: a deadline preempts its state, and a script that exceeds its grace period ends with the process.
+//! This module knows the consequences, but not the times.
 
 use crate::drive::core::Core;
 use crate::drive::ending::RunEnd;
@@ -11,10 +11,10 @@ use rafcon_model::StatePath;
 use rafcon_protocol::Event;
 use std::sync::Arc;
 
-/// The exit status of a runner that ended because a script did not.
+/// The exit status of a runner that ended because a script did not end.
 pub(crate) const CUT_OFF: i32 = 86;
 
-/// Sees to what comes to its time, until the run is over.
+/// Handles expired timers until the run is over.
 pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>) {
     while let Some(alarm) = driver.timers().next(driver.clock()) {
         match alarm {
@@ -26,7 +26,7 @@ pub(crate) fn serve<S: Scripts>(driver: &Arc<Driver<S>>) {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Preempts the very run of the state that is meant.
+    /// Preempts the run of the state whose deadline expired.
     fn deadline_passed(self: &Arc<Self>, due: &Due) {
         let preempt = |core: &mut Core<S::Value>| -> Result<(), Refusal> {
             if !due.is_active() {
@@ -49,7 +49,7 @@ impl<S: Scripts> Driver<S> {
         self.record().note_until_over(tell::log(path, rafcon_protocol::LogLevel::Warning, message));
     }
 
-    /// Lets the process end: nothing else ends a script that does not want to.
+    /// Ends the process, because nothing else ends a script that does not end itself.
     fn cut_off(&self, due: &Due) {
         if !due.is_active() {
             return;

@@ -1,20 +1,20 @@
-//! The end of a run in its process: decided once, waited for by one. Knows how a run can end, but not what ends it.
+//! The end of a run in its process: decided once, and awaited by one thread.
 
 use rafcon_engine::Finish;
 use rafcon_locks::{Condvar, Mutex};
 
-/// How a run of a process ends.
+/// The ways in which a run ends in its process.
 #[derive(Debug)]
 pub(crate) enum RunEnd<D> {
     /// The run is over.
     Finished(Finish<D>),
-    /// A script does not end: the process has to.
+    /// A script does not end, so the process must end.
     CutOff,
-    /// The engine failed: nothing that it says can be trusted any more, and the process has to end.
+    /// The engine failed, so its state is unreliable and the process must end.
     Broken,
 }
 
-/// The end of a run, once there is one.
+/// The end of a run, once it is decided.
 #[derive(Debug)]
 pub(crate) struct Ending<D> {
     end: Mutex<Option<RunEnd<D>>>,
@@ -28,7 +28,7 @@ impl<D> Default for Ending<D> {
 }
 
 impl<D> Ending<D> {
-    /// This is the end, unless there is one already.
+    /// Decides the end, unless it is already decided.
     pub(crate) fn decide(&self, end: RunEnd<D>) {
         self.end.lock().get_or_insert(end);
         self.is_there.notify_all();

@@ -1,5 +1,4 @@
-//! Why a run does not begin, a command is refused, or a value cannot be made. Callers match on the variants, people read the
-//! sentences.
+//! Errors of starts, commands, values and changes. Callers match on the variants; people read the sentences.
 
 use crate::record::tell::reason;
 use rafcon_engine::{Refusal, UnknownPath};
@@ -10,7 +9,7 @@ use rafcon_storage::journal::JournalError;
 use std::io;
 use thiserror::Error;
 
-/// A value that a host cannot make, restore or set; the sentence is the host's.
+/// A value that a host cannot create, restore or set. The host supplies the sentence.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct ValueError(pub String);
@@ -30,13 +29,13 @@ impl From<&str> for ValueError {
 /// A change of the running machine that was refused.
 #[derive(Debug, Error)]
 pub enum ChangeError {
-    /// There is nothing to read it again from.
+    /// The machine has no folder from which it could be loaded again.
     #[error("the machine of this run was not read from a folder")]
     NotFromFolder,
     /// The host did not leave the interpreter.
     #[error("the machine cannot be had now")]
     Unavailable,
-    /// The host lent nothing that makes values of literals.
+    /// The host supplied no converter for literals.
     #[error("the host made no values for the changed machine")]
     NoLiterals,
     /// An edit breaks a rule of the model.
@@ -48,15 +47,15 @@ pub enum ChangeError {
     /// The root state's own file is damaged.
     #[error("the root state cannot be read, so the run keeps its machine: {0}")]
     Damaged(String),
-    /// The change would take an active state away.
+    /// The change would break an active state.
     #[error(transparent)]
     Engine(#[from] Refusal),
 }
 
-/// A question or an answer that does not fit its form; the sentences of `Form` say how.
+/// A question or an answer that does not fit its form. `Form` supplies the sentences.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum QuestionError {
-    /// The form cannot be answered.
+    /// The form has an error, so that no answer would fit.
     #[error("{0}")]
     Form(String),
     /// The default does not fit the form.
@@ -65,10 +64,10 @@ pub enum QuestionError {
     /// The answer does not fit the form.
     #[error("{0}")]
     Answer(String),
-    /// Someone answered it before, or its time is over.
+    /// The question was already answered, or its time is over.
     #[error("question {0} is closed already")]
     Closed(u64),
-    /// Nothing has asked it.
+    /// No script has asked this question.
     #[error("there is no question {0}; a snapshot lists those that are open")]
     Unknown(u64),
 }
@@ -76,10 +75,10 @@ pub enum QuestionError {
 /// A command that was not carried out.
 #[derive(Debug, Error)]
 pub enum CommandError {
-    /// It came after its expiry.
+    /// The command had expired.
     #[error("it came too late")]
     Late,
-    /// It came before its time.
+    /// The command is for a later time.
     #[error(
         "it is for later, and only a robot behind a link keeps commands for later: give it when its time has come"
     )]
@@ -87,48 +86,48 @@ pub enum CommandError {
     /// The host did not leave the interpreter.
     #[error("the run cannot be reached")]
     Unreachable,
-    /// The engine takes no such input.
+    /// The command is not an input of the engine.
     #[error("this command is no input")]
     NotAnInput,
-    /// To recover means to decide.
+    /// Recovery requires a decision.
     #[error("to ask decides nothing; choose to abort the states or to restart them")]
     Undecided,
-    /// A given value cannot be made.
+    /// A value in the command cannot be created.
     #[error("the value for \"{name}\" of {path} cannot be used: {why}")]
     Value {
-        /// The port.
+        /// Name of the port.
         name: String,
-        /// Its state.
+        /// Path of the state.
         path: String,
-        /// What the host says.
+        /// Error of the host.
         why: ValueError,
     },
     /// A global variable of the launch cannot be set.
     #[error("the global variable \"{name}\" cannot be set: {why}")]
     Global {
-        /// The variable.
+        /// Name of the variable.
         name: String,
-        /// What the host says.
+        /// Error of the host.
         why: ValueError,
     },
-    /// There is no history to begin from.
+    /// The run has no history to start from.
     #[error("this run keeps no journal, so it has no history to begin from; run it with one")]
     NoJournal,
-    /// The run cannot begin again there.
+    /// The run cannot restart at this entry.
     #[error(transparent)]
     History(#[from] ResumeError),
-    /// The engine refuses it.
+    /// The engine refused the input.
     #[error(transparent)]
     Engine(#[from] Refusal),
-    /// The machine cannot be changed so.
+    /// The machine cannot be changed in this way.
     #[error(transparent)]
     Change(#[from] ChangeError),
-    /// The answer does not fit.
+    /// The answer does not fit the question.
     #[error(transparent)]
     Question(#[from] QuestionError),
 }
 
-/// A machine that cannot be made ready.
+/// A machine that cannot be prepared.
 #[derive(Debug, Error)]
 pub enum PrepareError {
     /// The configuration cannot be read.
@@ -143,23 +142,23 @@ pub enum PrepareError {
     /// The root state's own file is damaged.
     #[error("the root state cannot be read, so the machine does not run: {0}")]
     Damaged(String),
-    /// An input of the root cannot be made.
+    /// The value for an input of the root cannot be created.
     #[error("the value for input \"{name}\" cannot be used: {why}")]
     Input {
-        /// The input.
+        /// Name of the input.
         name: String,
-        /// What the host says.
+        /// Error of the host.
         why: ValueError,
     },
     /// The root has no input of this name.
     #[error("the machine has no input `{name}`: {}", listed(inputs))]
     NoSuchInput {
-        /// The name.
+        /// Name in the launch.
         name: String,
-        /// The inputs that it has.
+        /// Names of the root's inputs.
         inputs: Vec<String>,
     },
-    /// `afterwards` without `start_from`.
+    /// The launch has `afterwards`, but no `start_from`.
     #[error(
         "the start says what happens after its first state, but not which that is: name it in `start_from`, or leave `afterwards` out"
     )]
@@ -174,18 +173,18 @@ fn listed(inputs: &[String]) -> String {
     }
 }
 
-/// A run that cannot be resumed, or an entry that no run can begin again at.
+/// A run that cannot be resumed, or an entry at which no run can restart.
 #[derive(Debug, Error)]
 pub enum ResumeError {
-    /// The launch names no folder.
+    /// The launch names no run folder.
     #[error("a run is resumed by its folder: name it in `run_folder`")]
     NoFolder,
-    /// The run happens elsewhere.
+    /// The folder is a replica of a run of a robot.
     #[error(
         "this is the replica of a run of robot `{robot}`: resume it there, or name the server of this station with `--server`"
     )]
     Replica {
-        /// The robot.
+        /// Name of the robot.
         robot: String,
     },
     /// The journal cannot be read.
@@ -199,10 +198,10 @@ pub enum ResumeError {
         "the run has come to its end; begin a new one, or choose an entry of its history to begin from"
     )]
     Ended,
-    /// The event is none that a run can begin again at.
+    /// The event is not an entry at which a run can restart.
     #[error("event {0} is no entry of a state that is safe on disk; the history says which are")]
     NotAnEntry(u64),
-    /// The journal names a machine by something else than a hash.
+    /// The journal names a machine by an invalid hash.
     #[error("{0} is no hash of a machine")]
     NotAHash(String),
 }
@@ -213,35 +212,35 @@ impl From<JournalError> for ResumeError {
     }
 }
 
-/// A run that did not begin; the viewer was told.
+/// A run that did not begin. The viewer has received the reason.
 #[derive(Debug, Error)]
 pub enum LoadFailure {
-    /// Its machine cannot be made ready.
+    /// The machine cannot be prepared.
     #[error(transparent)]
     Prepare(#[from] PrepareError),
-    /// It cannot be resumed.
+    /// The run cannot be resumed.
     #[error(transparent)]
     Resume(#[from] ResumeError),
     /// The machine has no state at which it should begin.
     #[error(transparent)]
     UnknownStart(#[from] UnknownPath),
-    /// Its journal cannot be begun.
+    /// The journal cannot be created.
     #[error("{}", reason(.0))]
     Journal(Box<JournalError>),
-    /// Its beginning was refused.
+    /// The start was refused.
     #[error(transparent)]
     Refused(#[from] CommandError),
-    /// Its beginning was refused, and the journal cannot be removed.
+    /// The start was refused, and the journal cannot be removed.
     #[error("{why}; its journal stays: {}", reason(.journal))]
     JournalStays {
-        /// Why it was refused.
+        /// Reason of the refusal.
         why: CommandError,
-        /// Why the journal stays.
+        /// Reason why the journal remains.
         journal: Box<JournalError>,
     },
 }
 
-/// A group of records that did not become safe.
+/// A group of records that could not be committed.
 #[derive(Debug, Error)]
 pub(crate) enum CommitError {
     #[error("{}", reason(.0))]

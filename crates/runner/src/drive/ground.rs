@@ -1,6 +1,6 @@
-//! Whether anyone on the ground is there: when it was heard and gave a command last, and what policies of states, breakpoints and
-//! questions are told of its silence (`docs/semantics.md`, Lost link). Whoever carries the run to the ground feeds this; if that
-//! dies, the ground is silent, too.
+//! The contact with the ground: the times of its last message and last command, and the silence reported to policies of
+//! states, breakpoints and questions (`docs/semantics.md`, Lost link). The process that carries the run to the ground
+//! reports each message. If that process dies, the ground is silent, too.
 
 use crate::drive::record_events::ExtraRecords;
 use crate::record::tell;
@@ -13,26 +13,26 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 const MS: u64 = 1_000_000;
 
-/// What is known of the ground.
+/// The state of the contact with the ground.
 #[derive(Debug, Default)]
 pub(crate) struct Ground {
-    /// Held while the engine is told, so that it is told last what is true.
+    /// Locked while the silence is passed to the engine, so that the engine's latest value is correct.
     contact: Mutex<Option<Contact>>,
-    /// When someone gave a command last that waits for nothing, by the run's clock.
+    /// Time of the last urgent command, by the run's clock.
     urgent_ns: AtomicU64,
 }
 
-/// A run that has a ground, by the run's clock.
+/// The ground of a run, with times of the run's clock.
 #[derive(Debug)]
 struct Contact {
     heard_ns: u64,
     commanded_ns: u64,
-    /// What the engine knows.
+    /// The silence last passed to the engine.
     told: Silence,
 }
 
 impl Contact {
-    /// The longest of the times that are over, of each list.
+    /// The longest expired time of each list.
     fn silence(&self, now_ns: u64, times: &[Vec<u64>; 2]) -> Silence {
         let over = |since_ns: u64, times: &[u64]| {
             let silent_ms = now_ns.saturating_sub(since_ns) / MS;
@@ -42,7 +42,7 @@ impl Contact {
         Silence { link_ms: over(self.heard_ns, link), command_ms: over(self.commanded_ns, command) }
     }
 
-    /// When the next time is over.
+    /// The next time at which a silence expires.
     fn next_ns(&self, now_ns: u64, times: &[Vec<u64>; 2]) -> Option<u64> {
         let [link, command] = times;
         let at = |since_ns: u64, time: &u64| since_ns.saturating_add(time.saturating_mul(MS));
@@ -53,7 +53,8 @@ impl Contact {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Whoever carries the run to the ground heard it so many ms ago; or says that it carries the run, and has not heard it yet.
+    /// Handles a report of the process that carries the run to the ground: the age of the ground's last message in ms,
+    /// or `None` if it has received none yet.
     pub(crate) fn ground_heard(self: &Arc<Self>, heard_ms_ago: Option<u64>) {
         let now_ns = self.clock().now_ns();
         let heard_ns = heard_ms_ago.map(|ago| now_ns.saturating_sub(ago.saturating_mul(MS)));
@@ -71,7 +72,7 @@ impl<S: Scripts> Driver<S> {
         self.tell_silence(contact);
     }
 
-    /// Someone gives a command: whoever does is there.
+    /// Notes a command, which ends the silence.
     pub(crate) fn ground_commands(self: &Arc<Self>) {
         let now_ns = self.clock().now_ns();
         let mut ground = self.ground().contact.lock();
@@ -81,13 +82,13 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// The same for a command that waits for nothing: the engine is told on the thread of the timers.
+    /// Notes an urgent command. The thread of the timers updates the engine.
     pub(crate) fn ground_commands_urgently(&self) {
         self.ground().urgent_ns.fetch_max(self.clock().now_ns(), Ordering::Relaxed);
         self.look_at_ground_later();
     }
 
-    /// The run had a ground that was silent for so long when its last runner ended.
+    /// Restores the silence of a run whose last runner ended.
     pub(crate) fn ground_was(self: &Arc<Self>, told: Silence) {
         let now_ns = self.clock().now_ns();
         let since = |ms: u64| now_ns.saturating_sub(ms.saturating_mul(MS));
@@ -98,14 +99,14 @@ impl<S: Scripts> Driver<S> {
         self.look_at_ground_later();
     }
 
-    /// Looks whether the ground has been silent for as long as something names.
+    /// Checks whether the silence has reached a time that a policy, breakpoint or question names.
     pub(crate) fn look_at_ground(self: &Arc<Self>) {
         if let Some(contact) = self.ground().contact.lock().as_mut() {
             self.tell_silence(contact);
         }
     }
 
-    /// The same, on the thread of the timers: something names another time from now on.
+    /// Schedules [`Self::look_at_ground`] on the thread of the timers, because the named times may have changed.
     pub(crate) fn look_at_ground_later(&self) {
         self.timers().look_at_silence(Some(0));
     }
@@ -122,10 +123,11 @@ impl<S: Scripts> Driver<S> {
             let Silence { link_ms, command_ms } = silence;
             let event = tell::told(Event::Silence { link_ms, command_ms });
             let beside = || ExtraRecords { first: Some(event), last: None };
-            // Refused once the run is over, and then it makes no difference.
+            // Refused once the run is over, when it no longer matters.
             drop(self.input_beside(Input::Silence(silence), || false, beside));
         }
-        // Afterwards: who asked goes on at once, and what it does next is to know of the silence.
+        // Questions close after the engine's update, because their scripts continue at once and must see the
+        // silence.
         self.questions().give_up(silence.link_ms);
     }
 

@@ -1,4 +1,4 @@
-//! What scripts may ask about the run that they are part of. Called on any thread, never while the engine is locked.
+//! Queries of scripts about their own run. Called on any thread, never while the engine is locked.
 
 use crate::drive::core::Core;
 use crate::drive::driver::Driver;
@@ -11,7 +11,7 @@ use smol_str::SmolStr;
 use std::sync::Arc;
 
 impl<S: Scripts> Driver<S> {
-    /// The place with this number, also if no state was entered there yet.
+    /// The place with this number, even if no state was entered there yet.
     pub fn place(&self, path: PathId) -> Option<Arc<Place>> {
         self.places().get(path).cloned().or_else(|| {
             let make = |core: &mut Core<S::Value>| {
@@ -27,12 +27,12 @@ impl<S: Scripts> Driver<S> {
         self.with_core(|core| core.engine.child_places(path).to_vec()).unwrap_or_default()
     }
 
-    /// What the state at this place holds; `None` if it is not active.
+    /// The data of the state at this place; `None` if it is not active.
     pub fn inspect(&self, path: PathId) -> Option<Inspection<S::Value>> {
         self.with_core(|core| core.engine.inspect(path))?
     }
 
-    /// What the container or library state at this place held in its last run; `None` if it has not run.
+    /// The data of the last run of the container or library state at this place; `None` if it has not run.
     pub fn last(&self, path: PathId) -> Option<Last<S::Value>> {
         let last = |core: &mut Core<S::Value>| {
             let known = core.known.get(path.index())?.as_ref()?;
@@ -41,18 +41,18 @@ impl<S: Scripts> Driver<S> {
         self.with_core(last)?
     }
 
-    /// What the run as a whole does.
+    /// The current status of the run.
     pub fn status(&self) -> Option<Status> {
         self.with_core(|core| core.engine.status())
     }
 
-    /// The machine that is run now.
+    /// The machine that currently runs.
     pub fn machine(&self) -> Arc<Machine> {
         self.document().machine()
     }
 }
 
-/// What the state at `path` (ids joined by `/`) holds, as viewers read it; `None` if it is not active.
+/// The data of the state at `path` (ids joined by `/`), encoded for viewers; `None` if it is not active.
 pub(crate) fn state_data<S: Scripts>(driver: &Driver<S>, path: &str) -> Option<StateData> {
     let find = |core: &mut Core<S::Value>| {
         let active = core.engine.snapshot();

@@ -1,4 +1,4 @@
-//! What scripts and launches put into the record beside the engine's events: lines, global variables, what states keep.
+//! Records of scripts and launches, in addition to the engine's events: lines, global variables and persistent values.
 
 use crate::drive::driver::Driver;
 use crate::drive::error::CommandError;
@@ -9,11 +9,11 @@ use rafcon_protocol::{Event, Keeping, LogLevel, Stream};
 use rafcon_storage::journal::Record;
 use std::sync::Arc;
 
-/// Longer lines are cut, in bytes.
+/// Limit of a line in bytes. Longer lines are cut.
 const LINE_BYTES_MAX: usize = 1 << 20;
 
 impl<S: Scripts> Driver<S> {
-    /// Notes a line down that a state wrote.
+    /// Records a line that a state wrote.
     pub fn log(&self, path: Option<PathId>, level: LogLevel, stream: Stream, message: String) {
         let place = path.and_then(|path| self.places().get(path));
         if place.is_some_and(|place| !self.keeps_line(place, level, stream)) {
@@ -27,7 +27,7 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Sets global variables before anything runs, and notes them down.
+    /// Sets global variables before anything runs, and records them.
     pub(crate) fn set_globals(
         &self,
         globals: &[(String, serde_json::Value)],
@@ -42,7 +42,7 @@ impl<S: Scripts> Driver<S> {
         Ok(())
     }
 
-    /// Notes down that a global variable got a value, or was deleted.
+    /// Records a new value of a global variable, or its deletion.
     pub fn global(&self, name: &str, value: Option<&S::Value>) {
         let mut writer = self.recorder().write();
         if writer.keeps_values() {
@@ -51,7 +51,7 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Notes down what a state keeps from one run to the next: all of it, as one value.
+    /// Records what a state keeps from one of its runs to the next, as one value.
     pub fn persistent(&self, place: &Arc<Place>, value: &S::Value) {
         let mut writer = self.recorder().write();
         if writer.keeps_values() && place.keeping == Keeping::Full {
@@ -61,8 +61,8 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Waits, outside the interpreter, before a script begins: while too much is not safe from a power cut, and with the strict
-    /// rule while anything is not.
+    /// Waits, outside the interpreter, before a script begins: while too much is not safe from a power cut, and with
+    /// the strict rule while anything is not.
     pub(crate) fn wait_for_safety(&self) {
         let safety = self.recorder().safety();
         if safety.holds() {
@@ -70,14 +70,15 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// What a state prints is left out where nothing but its status is to be told; errors never are.
+    /// True if the line of a state is recorded. In a run with a journal, a state with [`Keeping::Off`] drops what its
+    /// script prints, except errors.
     fn keeps_line(&self, place: &Place, level: LogLevel, stream: Stream) -> bool {
         let printed = stream != Stream::Engine && level < LogLevel::Error;
         let told = self.recorder().keeping() == Keeping::Off || place.keeping != Keeping::Off;
         told || !printed
     }
 
-    /// A line of a place that the record knows is short.
+    /// The record of a line. It is short if the record knows the place.
     fn line(
         &self,
         place: Option<&Place>,

@@ -1,5 +1,5 @@
-//! What has happened so far, for scripts that ask: as far back as memory goes. Knows events, but not how a script sees
-//! them.
+//! The recent history of the run, for scripts, up to the limit of memory. This module knows events, but not how scripts
+//! present them.
 
 use crate::record::blocks::Chunk;
 use crate::{Clock, Driver, Scripts};
@@ -7,22 +7,22 @@ use rafcon_protocol::Event;
 use rafcon_storage::journal::stream::StreamReader;
 use std::path::Path;
 
-/// Events looked back at, at most.
+/// Limit of the events that are searched.
 const EVENTS_MAX: u64 = 20_000;
 
-/// One event that a script is told of.
+/// A past event that a script can inspect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PastEvent {
-    /// Its number.
+    /// Number of the event.
     pub sequence: u64,
-    /// When it happened, in ms since 1970 UTC.
+    /// Time of the event, in ms since 1970 UTC.
     pub epoch_ms: u64,
-    /// What happened.
+    /// The event itself, as viewers receive it.
     pub event: Event,
 }
 
 impl<S: Scripts> Driver<S> {
-    /// The states that were entered and left, oldest first. Called on any thread, outside the interpreter.
+    /// The entries and ends of states, oldest first. Called on any thread, outside the interpreter.
     pub fn past(&self) -> Vec<PastEvent> {
         let (recorder, mut chunk) = (self.recorder(), Chunk::default());
         let mut next = (recorder.last() + 1).saturating_sub(EVENTS_MAX).max(1);
@@ -35,7 +35,7 @@ impl<S: Scripts> Driver<S> {
         };
         let mut places = Vec::new();
         recorder.names().write(&mut places);
-        // What this process wrote can be read.
+        // Reading cannot fail, because this process wrote the data.
         reader.read(&places, &mut show).unwrap_or_default();
         while recorder.recent(&mut next, &mut chunk) {
             for block in chunk.blocks() {

@@ -1,4 +1,5 @@
-//! The breakpoints of a run in the words of viewers. Knows both vocabularies; what holds where, the engine knows.
+//! The breakpoints of a run in the viewers' format. This module maps them to the engine's format; the engine applies
+//! them.
 
 use crate::drive::error::CommandError;
 use crate::drive::record_events::ExtraRecords;
@@ -13,21 +14,21 @@ use rafcon_storage::journal::Record;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// All breakpoints by their ids.
+/// All breakpoints by id.
 #[derive(Debug, Default)]
 pub(crate) struct Points {
     list: Mutex<BTreeMap<u64, Breakpoint>>,
 }
 
 impl Points {
-    /// All of them, by rising id.
+    /// All breakpoints by rising id.
     pub(crate) fn all(&self) -> Vec<Breakpoint> {
         self.list.lock().values().cloned().collect()
     }
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Sets a breakpoint.
+    /// Sets a breakpoint, and records it.
     pub(crate) fn set_breakpoint(
         self: &Arc<Self>,
         breakpoint: &Breakpoint,
@@ -43,7 +44,7 @@ impl<S: Scripts> Driver<S> {
         Ok(())
     }
 
-    /// Removes a breakpoint.
+    /// Removes a breakpoint, and records that.
     pub(crate) fn remove_breakpoint(self: &Arc<Self>, id: u64) -> Result<(), CommandError> {
         let remove = || {
             self.points().list.lock().remove(&id);
@@ -52,7 +53,7 @@ impl<S: Scripts> Driver<S> {
         self.change_points(Input::Unbreak(id), remove)
     }
 
-    /// Engine, list and record learn of it in one go, so that they never differ, whoever sets and removes at the same time.
+    /// Updates engine, list and record under one lock, so that they never differ, even with concurrent changes.
     fn change_points(
         self: &Arc<Self>,
         input: Input<S::Value>,

@@ -1,4 +1,4 @@
-//! From a launch to a machine that can be run. Knows where machines, libraries and the config come from.
+//! Prepares a machine for a launch. This module knows the sources of machines, libraries and the config.
 
 use crate::drive::error::PrepareError;
 use crate::places::limits;
@@ -13,42 +13,42 @@ use rafcon_storage::{
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Everything that a run begins with.
+/// Everything that a run starts with.
 #[derive(Debug)]
 pub(crate) struct Prepared<D> {
     pub(crate) machine: Machine,
     pub(crate) files: StateFiles,
-    /// Faults that did not keep the machine from loading, one line each.
+    /// Faults that did not prevent loading, one line each.
     pub(crate) problems: Vec<String>,
     pub(crate) start: Start<D>,
     pub(crate) config: Config,
-    /// From where the machine is read again when it is changed; nothing for one that was not read.
+    /// The source for loading the machine again; `None` if it was not loaded from a folder.
     pub(crate) source: Option<Source>,
 }
 
-/// Where a machine and its libraries lie.
+/// The folders of a machine and its libraries.
 #[derive(Debug)]
 pub(crate) struct Source {
     folder: PathBuf,
     libraries: Arc<Libraries>,
-    /// What hosts know of it.
+    /// The files that hosts use.
     files: StateFiles,
 }
 
 impl Source {
-    /// Reads the machine as it is there now.
+    /// Loads the machine from its folder again.
     pub(crate) fn read(&self) -> Result<Loaded, LoadError> {
         self.libraries.refresh();
         load(&self.folder, &self.libraries)
     }
 
-    /// This is the machine that is run from now on, or as soon as it can be.
+    /// Notes the files of the machine that the run uses from now on, or as soon as possible.
     pub(crate) fn went_by(&self, saved: Saved) {
         self.files.read_again(saved);
     }
 }
 
-/// Reads config, libraries and machine, from what the run has kept of them if it has.
+/// Loads config, libraries and machine. A packed machine that the run has kept takes precedence.
 pub(crate) fn prepare<H: Host>(
     host: &mut H,
     launch: &Launch,
@@ -90,7 +90,7 @@ pub(crate) fn prepare<H: Host>(
     Ok(Prepared { machine: loaded.machine, files, problems, start, config, source })
 }
 
-/// The folder of a machine from anywhere; that of a machine that no file has is empty.
+/// The absolute path of a machine's folder; empty for a machine without files.
 fn absolute(folder: &Path) -> Result<PathBuf, PrepareError> {
     if folder.as_os_str().is_empty() {
         return Ok(PathBuf::new());
@@ -98,7 +98,7 @@ fn absolute(folder: &Path) -> Result<PathBuf, PrepareError> {
     std::path::absolute(folder).map_err(PrepareError::Folder)
 }
 
-/// Everything for a machine that the host has already.
+/// Prepares a machine that the host supplies.
 fn ready<H: Host>(
     host: &mut H,
     launch: &Launch,
@@ -125,7 +125,7 @@ fn start<H: Host>(
     })
 }
 
-/// A root without its file has no states, and would wait for ever.
+/// Refuses a root whose file is damaged: it has no states, and would wait for ever.
 fn is_readable(machine: &Machine) -> Result<(), PrepareError> {
     match &machine.root.damage {
         Some(damage) => Err(PrepareError::Damaged(damage.to_string())),
@@ -133,7 +133,7 @@ fn is_readable(machine: &Machine) -> Result<(), PrepareError> {
     }
 }
 
-/// A misspelt input would let the machine run with a default instead. A run that goes on has passed this once.
+/// Refuses unknown inputs, because a misspelt one would run with a default. A resumed run has passed this check before.
 fn are_known(machine: &Machine, launch: &Launch) -> Result<(), PrepareError> {
     let known = &machine.root.inputs;
     let mut names = launch.inputs.iter().map(|(name, _)| name);
@@ -146,7 +146,7 @@ fn are_known(machine: &Machine, launch: &Launch) -> Result<(), PrepareError> {
     }
 }
 
-/// What happens after the state at which the run begins.
+/// The action after the state at which the run starts.
 fn then(launch: &Launch) -> Result<Then, PrepareError> {
     if launch.afterwards != Afterwards::GoOn && launch.start_from.is_none() {
         return Err(PrepareError::NoFirstState);
@@ -154,7 +154,7 @@ fn then(launch: &Launch) -> Result<Then, PrepareError> {
     Ok(behind(launch.afterwards))
 }
 
-/// The same in the engine's words.
+/// The engine's form of the action after the start state.
 pub(crate) fn behind(afterwards: Afterwards) -> Then {
     match afterwards {
         Afterwards::GoOn => Then::GoOn,
@@ -163,7 +163,7 @@ pub(crate) fn behind(afterwards: Afterwards) -> Then {
     }
 }
 
-/// What will not work as drawn.
+/// The errors in the machine, one line each.
 pub fn faults(machine: &Machine) -> impl Iterator<Item = String> {
     let problems = problems(machine, &BuiltinTypes).into_iter();
     let errors = problems.filter(|problem| problem.severity() == Severity::Error);

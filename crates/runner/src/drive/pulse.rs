@@ -1,5 +1,5 @@
-//! Whether the engine takes inputs: what a runner says of it to those who ask, and the end of a process whose engine does not take
-//! a stop. Knows how long the engine may be out of reach, but not who asks.
+//! The engine's health: a report for viewers and servers, and the end of a process whose engine does not accept a stop.
+//! This module knows how long the engine may be unreachable, but not who asks.
 
 use crate::drive::core::Core;
 use crate::drive::driver::Driver;
@@ -9,15 +9,15 @@ use rafcon_protocol::EnginePulse;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// The exit status of a runner whose engine did not take a stop.
+/// The exit status of a runner whose engine did not accept a stop.
 pub(crate) const UNREACHED: i32 = 88;
-/// How long a question about the engine waits for it.
+/// Timeout of a health check.
 const ASKED_AT_MOST: Duration = Duration::from_millis(200);
-/// How long a stop waits for the engine. Tests wait less, to see the end of it.
+/// Timeout of a stop. Tests use a short one, to see its effect.
 pub(crate) const STOP_AT_MOST: Duration =
     if cfg!(test) { Duration::from_millis(300) } else { Duration::from_secs(8) };
 
-/// When the engine was reached, and when it moved last. Written with the engine locked, read by all.
+/// Times at which the engine was last reached and last moved. Written with the engine locked, read by all.
 #[derive(Debug, Default)]
 pub(crate) struct Pulse {
     reached_ns: AtomicU64,
@@ -25,7 +25,7 @@ pub(crate) struct Pulse {
 }
 
 impl Pulse {
-    /// The engine has said something.
+    /// Notes that the engine has produced results.
     pub(crate) fn moved(&self, now_ns: u64) {
         self.moved_ns.store(now_ns, Ordering::Relaxed);
     }
@@ -34,15 +34,15 @@ impl Pulse {
         self.reached_ns.store(now_ns, Ordering::Relaxed);
     }
 
-    /// Since when the engine has not been reached.
+    /// The time since which the engine was not reached.
     fn last_ns(&self) -> u64 {
         self.reached_ns.load(Ordering::Relaxed).max(self.moved_ns.load(Ordering::Relaxed))
     }
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Whether the engine can be reached now, and when it moved last. Waits a little, and never for the interpreter: called on
-    /// threads that are outside of it.
+    /// Checks whether the engine is reachable now, and when it last moved. Waits briefly, and never for the
+    /// interpreter: called on threads outside of it.
     pub(crate) fn engine_pulse(&self) -> EnginePulse {
         let scripts = Clock::moment(ASKED_AT_MOST).and_then(|until| self.try_core(until, running));
         let (now_ns, pulse) = (self.clock().now_ns(), self.pulse());
@@ -57,10 +57,10 @@ impl<S: Scripts> Driver<S> {
         }
     }
 
-    /// Waits until the engine can be given a stop; if it cannot in time, `tell` has a moment to write that down, and the process
-    /// ends. What the run has written down by then is whole: it lies in memory that outlives the process.
+    /// Waits until the engine can accept a stop. If that times out, the callback may record it, and the process
+    /// ends. The record up to then is complete, because it is in memory that outlives the process.
     pub(crate) fn reach_for_stop(&self, tell: impl FnOnce(String)) {
-        // Whoever holds the engine may wait for a disk that refuses.
+        // The holder of the engine may be waiting for a failing disk.
         self.recorder().safety().end();
         let mut is_reached = false;
         self.scripts().park(&mut || {
@@ -79,7 +79,7 @@ impl<S: Scripts> Driver<S> {
     }
 }
 
-/// How many scripts run.
+/// The number of running scripts.
 fn running<D: rafcon_engine::Datum>(core: &mut Core<D>) -> u32 {
     let active = core.engine.snapshot();
     let scripts = active.iter().filter(|active| matches!(active.activity, Activity::Script));

@@ -1,5 +1,5 @@
-//! Questions of states to people: open until someone answers, their time is over, or their state is to end. Knows who waits
-//! for an answer, but not how people see a question.
+//! Questions of states to people. A question is open until it is answered, its time is over, or its state ends. This
+//! module knows who waits for an answer, but not how people see a question.
 
 use crate::drive::error::QuestionError;
 use crate::places::signals::PREEMPTED;
@@ -13,34 +13,34 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// What a script asks.
+/// A question of a script, with its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked {
-    /// The text.
+    /// Text of the question.
     pub message: String,
-    /// How it is answered.
+    /// The form of the answer.
     pub form: Form,
-    /// Time to answer, in ms; `None`: as long as it takes.
+    /// Time to answer, in ms; `None` for no limit.
     pub timeout_ms: Option<u64>,
-    /// Time that the ground may be silent, in ms; then the question closes as if its time were over.
+    /// Silence of the ground, in ms, after which the question closes as if its time were over.
     pub lost_link_ms: Option<u64>,
-    /// The answer when the time is over.
+    /// The answer if the time is over.
     pub default: Option<Value>,
 }
 
-/// How a question came to its end.
+/// The result of a question.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closed {
-    /// How.
+    /// The reason why the question closed.
     pub how: Closing,
-    /// The answer, or the default; `None` if there is neither.
+    /// The answer, or the default; `None` if neither exists.
     pub answer: Option<Value>,
 }
 
 /// The questions of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Questions {
-    /// How many are open: mostly none, and then no one has to look.
+    /// Number of open questions. It is mostly 0, and then no lock is needed.
     count: AtomicUsize,
     list: Mutex<List>,
     closed: Condvar,
@@ -51,7 +51,7 @@ struct List {
     /// The number of the last question.
     last: u64,
     open: BTreeMap<u64, Open>,
-    /// The run is over: nothing is asked any more.
+    /// True if the run is over and new questions are withdrawn at once.
     over: bool,
 }
 
@@ -59,7 +59,7 @@ struct List {
 struct Open {
     question: Question,
     place: Arc<Place>,
-    /// Filled once, by whoever comes first.
+    /// The result. The first one is final.
     end: Option<QuestionEnd>,
 }
 
@@ -70,8 +70,8 @@ struct QuestionEnd {
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Asks people, and waits for the end of the question. Called on a thread of the state's script; the interpreter is left
-    /// meanwhile.
+    /// Asks people, and waits for the end of the question. Called on the thread of the state's script, which leaves the
+    /// interpreter meanwhile.
     pub fn ask(&self, place: &Arc<Place>, asked: Asked) -> Result<Closed, QuestionError> {
         asked.form.check().map_err(QuestionError::Form)?;
         if let Some(default) = &asked.default {
@@ -96,12 +96,12 @@ impl<S: Scripts> Driver<S> {
 }
 
 impl Questions {
-    /// Numbers of questions continue after this one.
+    /// Continues the numbers of questions after this one.
     pub(crate) fn go_on_after(&self, last: u64) {
         self.list.lock().last = last;
     }
 
-    /// Answers a question; the first answer counts.
+    /// Closes a question with an answer; the first one counts.
     pub(crate) fn answer(
         &self,
         id: u64,
@@ -125,19 +125,19 @@ impl Questions {
         Ok(())
     }
 
-    /// Those that no one has answered yet, in the order of their ids.
+    /// Unanswered questions, in the order of their ids.
     pub(crate) fn unanswered(&self) -> Vec<Question> {
         let list = self.list.lock();
         let open = list.open.values().filter(|open| open.end.is_none());
         open.map(|open| open.question.clone()).collect()
     }
 
-    /// The state at this place is to end.
+    /// Withdraws the questions of the state at this place, which is asked to end.
     pub(crate) fn withdraw(&self, path: PathId) {
         self.withdraw_if(|place| place.path == path);
     }
 
-    /// Closes what states asked that are not active any more.
+    /// Withdraws the questions of states that are no longer active.
     pub(crate) fn withdraw_orphans(&self) {
         if self.count.load(Ordering::Relaxed) == 0 {
             return;
@@ -154,7 +154,7 @@ impl Questions {
         list.open.values().filter_map(|open| open.question.lost_link_ms).collect()
     }
 
-    /// The ground was not heard for so many ms: closes what waits for it no longer.
+    /// Closes the questions whose time of silence is reached, for a ground that was silent for `silent_ms`.
     pub(crate) fn give_up(&self, silent_ms: u64) {
         let mut list = self.list.lock();
         let unanswered = list.open.values_mut().filter(|open| open.end.is_none());
@@ -166,7 +166,7 @@ impl Questions {
         }
     }
 
-    /// The run is over.
+    /// Withdraws all questions, because the run is over.
     pub(crate) fn end(&self) {
         self.list.lock().over = true;
         self.withdraw_if(|_| true);

@@ -1,5 +1,5 @@
-//! What the engine says, written down as it is kept, and what the places of a run learn from it. Knows events; knows nothing of
-//! where the record lies.
+//! Records the events of the engine, and updates the places of a run from them. This module knows events, but not where
+//! the record is stored.
 
 use crate::Scripts;
 use crate::drive::core::Core;
@@ -15,7 +15,7 @@ use rafcon_protocol::Keeping;
 use rafcon_storage::journal::{Kept, PlaceNumber, Record};
 use std::sync::Arc;
 
-/// One group of events on its way into the record.
+/// A group of events while it is being recorded.
 struct RecordGroup<'p, S: Scripts> {
     core: &'p mut Core<S::Value>,
     scripts: &'p S,
@@ -23,16 +23,16 @@ struct RecordGroup<'p, S: Scripts> {
     now: u64,
 }
 
-/// What is written down in one group with the events of an input: all of it is kept or nothing.
+/// Records in one group with the events of an input: all of them are kept, or none.
 #[derive(Debug, Default)]
 pub(crate) struct ExtraRecords {
-    /// Before them.
+    /// Record before the events.
     pub(crate) first: Option<Record>,
-    /// After them.
+    /// Record after the events.
     pub(crate) last: Option<Record>,
 }
 
-/// Writes the events of the outbox down with what stands beside them, and makes the places that they are the first to name.
+/// Records the events of the outbox with the extra records, and creates places that they name for the first time.
 pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
@@ -109,7 +109,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
                 self.writer.run_ends();
             }
             Event::Changed => self.core.generation += 1,
-            // It may never have been entered, and ends now.
+            // A forced state that never began may be unknown to the record.
             Event::Forced { path, .. } => drop(self.place_at(*path)),
             _ => {}
         }
@@ -124,7 +124,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
         }
     }
 
-    /// The number of a place in the record, where it is defined from now on, and whether values are kept there.
+    /// The number of a place in the record, defined on first use; true if values are kept there.
     fn place(&mut self, path: PathId, node: NodeId) -> (PlaceNumber, bool) {
         let generation = self.core.generation;
         let known = self.core.known(path, node);
@@ -158,7 +158,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
         self.writer.kept(&keep)
     }
 
-    /// The outputs, without those at the places in `absent`.
+    /// Writes the outputs, without those at the indices in `absent`.
     fn outputs(&mut self, outputs: &[S::Value], absent: &[u32]) {
         for (index, value) in (0..).zip(outputs) {
             if absent.contains(&index) {
@@ -169,7 +169,7 @@ impl<S: Scripts> RecordGroup<'_, S> {
         }
     }
 
-    /// The state at `path` begins a run; of a script, its host knows what it held.
+    /// Notes the start of a container or library state. The host of a script knows that script's data itself.
     fn begin(&mut self, path: PathId, node: NodeId, inputs: &Arc<[S::Value]>) {
         let program = self.core.engine.program();
         let node = program.node(node);

@@ -1,5 +1,5 @@
-//! Keeps each machine that a run goes by, on a thread of its own: the run does not wait for it. Knows what is to be kept; does
-//! not know how.
+//! Keeps each machine that a run uses, on a thread of its own, so that the run does not wait. This module knows what to
+//! keep, but not how.
 
 use crate::places::mailbox::Mailbox;
 use crate::record::recorder::Recorder;
@@ -16,33 +16,34 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// How long after it found no room it is tried again.
+/// Retry interval after the disk was full.
 const RETRY: Duration = Duration::from_secs(1);
-/// A machine of no more states is kept before its first state runs, which takes a few milliseconds.
+/// A machine with at most this many states is kept before its first state runs, which takes a few milliseconds.
 const AT_ONCE_MAX: usize = 500;
 
-/// The machines that are to be kept.
+/// The machines to be kept.
 #[derive(Debug, Default)]
 pub(crate) struct Roots {
-    /// Those of the first machine.
+    /// Files of the first machine.
     files: OnceLock<StateFiles>,
     packer: Mutex<Packer>,
     wanted: Mailbox<RootsRequest>,
     done: Mailbox<()>,
-    /// How many machines were to be kept, and how many of them are, or cannot be.
+    /// Number of machines to be kept, and number of those that are kept or cannot be.
     asked: AtomicU64,
     settled: AtomicU64,
 }
 
 #[derive(Debug)]
 enum RootsRequest {
-    /// This machine, and what was changed.
+    /// Keep this machine, with a description of its change.
     Keep(Arc<Machine>, String),
     End,
 }
 
 impl Roots {
-    /// The run begins, or continues, with the machine that was read from these files; one that `is_kept` is not kept again.
+    /// Keeps the first machine of a run that begins or continues, with its files. A machine that `is_kept` is not kept
+    /// again.
     pub(crate) fn keep_first(
         &self,
         record: &RunRecord,
@@ -63,7 +64,7 @@ impl Roots {
         }
     }
 
-    /// The run goes by `machine` from now on; `change` says what was changed, and nothing for the first.
+    /// Keeps the next machine of the run. `change` describes its change, and is empty for the first.
     pub(crate) fn keep(&self, record: &RunRecord, machine: &Arc<Machine>, change: &str) {
         if record.recorder().has_journal() {
             self.asked.fetch_add(1, Ordering::SeqCst);
@@ -75,7 +76,7 @@ impl Roots {
 
     /// Keeps machines until [`Roots::close`].
     pub(crate) fn serve(&self, record: &RunRecord) {
-        // Also if it ends by a panic: someone waits for that.
+        // Also signals the end after a panic, because `close` waits for it.
         let _done = RootsClosed(&self.done);
         while let RootsRequest::Keep(machine, change) = self.wanted.wait() {
             let (journal, files) = (record.recorder().journal(), self.files.get());
@@ -88,7 +89,7 @@ impl Roots {
         }
     }
 
-    /// Whether all machines that the run went by so far are kept, as far as they can be.
+    /// True if all machines that the run has used are kept, as far as possible.
     pub(crate) fn are_kept(&self) -> bool {
         self.settled.load(Ordering::SeqCst) >= self.asked.load(Ordering::SeqCst)
     }
@@ -102,7 +103,7 @@ impl Roots {
         }
     }
 
-    /// No more machines are kept after those that wait.
+    /// Ends the thread after the queued machines.
     pub(crate) fn dismiss(&self) {
         self.wanted.post(RootsRequest::End);
     }
@@ -116,7 +117,7 @@ fn tell(record: &RunRecord, hash: Hash, change: String) {
     record.tell(Event::Root { hash: hash.to_string(), change });
 }
 
-/// Says that no more machines are kept.
+/// Signals on drop that no more machines are kept.
 struct RootsClosed<'r>(&'r Mailbox<()>);
 
 impl Drop for RootsClosed<'_> {
@@ -125,7 +126,7 @@ impl Drop for RootsClosed<'_> {
     }
 }
 
-/// Keeps one machine; a disk that is full is waited for, as long as the run continues.
+/// Keeps one machine. Waits while the disk is full, as long as the run continues.
 fn keep(record: &RunRecord, journal: &Journal, pack: &Pack) -> Option<Hash> {
     loop {
         match journal.keep_root(pack) {

@@ -1,4 +1,4 @@
-//! The port through which a run reaches whatever runs its scripts. Knows values as handles; knows nothing of an interpreter.
+//! The port between a run and the host of its scripts. It passes values as handles, and needs no interpreter.
 
 use crate::drive::error::ValueError;
 use crate::record::keep::Keep;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A host of scripts: an interpreter, or plain Rust in tests.
 ///
-/// A branch's thread is inside [`Scripts::inhabit`] for its whole life. Whatever drops a value may do so while the engine is
+/// A branch's thread is inside [`Scripts::inhabit`] for its whole life. A value may be dropped while the engine is
 /// locked, so a value's own clean-up must wait until [`Scripts::settle`].
 pub trait Scripts: Debug + Send + Sync + 'static {
     /// A handle to a value.
@@ -24,7 +24,7 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// Runs one script on this thread, to its end.
     fn run(&self, job: Job<Self::Value>, place: &Arc<Place>) -> ScriptResult<Self::Value>;
 
-    /// The answer of a script that could not be run at all, with the reason as its error.
+    /// The result of a script that could not run, with the reason as its error.
     fn failure(&self, reason: &str) -> ScriptResult<Self::Value>;
 
     /// Enters the interpreter for as long as `life` runs.
@@ -33,28 +33,28 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// Leaves the interpreter to others while `wait` runs; used for everything that may block.
     fn park(&self, wait: &mut (dyn FnMut() + Send));
 
-    /// Called with no lock held after the engine was used on this thread: a chance to clean up dropped values.
+    /// Called with no lock held after the engine was used on this thread, to clean up dropped values.
     fn settle(&self);
 
     /// The run's global variables.
     fn globals(&self) -> &dyn Globals<Self::Value>;
 
-    /// How the run ended, with the values themselves. Called before [`Scripts::finished`].
+    /// Receives the result of the run, with the values themselves. Called before [`Scripts::finished`].
     fn ended(&self, finish: &Finish<Self::Value>) {
         let _ = finish;
     }
 
-    /// The run is over; its last values are read after this.
+    /// Called when the run is over. Its last values are read after this.
     fn finished(&self);
 
-    /// The run is told; signals of the system mean what they mean to any program of the interpreter. Called on the thread
-    /// that called [`crate::serve`].
+    /// Called when all viewers have received all events. From now on, signals of the system have their usual meaning in
+    /// the interpreter. Called on the thread that called [`crate::serve`].
     fn released(&self);
 
     /// A value as `docs/protocol.md` encodes it.
     fn encode(&self, value: &Self::Value) -> serde_json::Value;
 
-    /// Notes down the global variables that were there before the run began, by [`Driver::global`](crate::Driver::global).
+    /// Records the global variables that existed before the run began, by [`Driver::global`](crate::Driver::global).
     fn note_globals(&self) {}
 
     /// All global variables, encoded.
@@ -63,10 +63,10 @@ pub trait Scripts: Debug + Send + Sync + 'static {
     /// A value from JSON as `docs/protocol.md` encodes it.
     fn value(&self, json: &serde_json::Value) -> Result<Self::Value, ValueError>;
 
-    /// Lends what makes values of what files hold, for a machine that changes while it runs.
+    /// Lends a converter for literals of files, for a machine that changes during the run.
     fn with_literals(&self, make: &mut dyn FnMut(&mut dyn Literals<Self::Value>));
 
-    /// How the journal keeps a value. Called with the engine locked: runs no code of the user.
+    /// The journal's form of a value. Called with the engine locked: runs no code of the user.
     fn keep<'v>(&self, value: &'v Self::Value) -> Keep<'v> {
         let reason = "this host keeps no values";
         if value.is_none() {
@@ -76,45 +76,45 @@ pub trait Scripts: Debug + Send + Sync + 'static {
         }
     }
 
-    /// The value that an event names without a number.
+    /// The value that an event contains without a number.
     fn plain(&self, kept: &Kept) -> Result<Self::Value, ValueError> {
         Err(format!("this host cannot make {kept:?} again").into())
     }
 
-    /// A value that was kept; `values` is the folder of large ones.
+    /// Restores a kept value; `values` is the folder of large ones.
     fn restore(&self, stored: &Stored, values: &Path) -> Result<Self::Value, ValueError> {
         let _ = values;
         Err(format!("this host cannot make a value of type {} again", stored.type_name).into())
     }
 
-    /// Stands for a value that cannot be made again; `why` says which, and why. It is passed on like any other, it is kept as
-    /// what it is, and no script ever gets it.
+    /// Creates a placeholder for a value that cannot be restored; `why` names the value and the reason. The placeholder is
+    /// passed on and kept like any other value, but no script ever receives it.
     fn lost(&self, why: &str) -> Self::Value;
 
-    /// The reason, if this is such a stand-in. Called with the engine locked: enters no interpreter.
+    /// The reason, if the value is such a placeholder. Called with the engine locked: enters no interpreter.
     fn is_lost(&self, value: &Self::Value) -> Option<String>;
 
-    /// Sets a global variable before anything runs: one of the launch, or one of a run that is resumed.
+    /// Sets a global variable before anything runs: one of the launch, or one of a resumed run.
     fn restore_global(&self, name: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (name, value);
         Err("this host keeps no global variables".into())
     }
 
-    /// Puts back what the state at `path` (ids joined by `/`) keeps from one of its runs to the next, before anything of a
-    /// run that is resumed runs.
+    /// Restores what the state at `path` (ids joined by `/`) keeps from one of its runs to the next. Called before
+    /// anything of a resumed run runs.
     fn restore_persistent(&self, path: &str, value: Self::Value) -> Result<(), ValueError> {
         let _ = (path, value);
         Err("this host keeps nothing from one run of a state to the next".into())
     }
 
-    /// Evaluates the condition of a breakpoint on this thread; the error says why it cannot.
+    /// Evaluates the condition of a breakpoint on this thread. The error is the reason why that is impossible.
     fn check(&self, check: &Check<Self::Value>, place: &Arc<Place>) -> Result<bool, SmolStr> {
         let _ = (check, place);
         Err("this host cannot evaluate conditions".into())
     }
 
-    /// The run goes by another machine from now on. States keep their numbers; a script whose text changed is read again at
-    /// its next entry. Called with the engine locked, before any script of the new machine begins: enters no interpreter.
+    /// Switches to another machine. States keep their numbers, and a script whose text changed is loaded again at its
+    /// next entry. Called with the engine locked, before any script of the new machine begins: enters no interpreter.
     fn changed(&self, machine: &Machine, program: &Arc<Program<Self::Value>>) {
         let _ = (machine, program);
     }
@@ -122,24 +122,24 @@ pub trait Scripts: Debug + Send + Sync + 'static {
 
 /// An interpreter that can host the scripts of one machine.
 pub trait Host {
-    /// What it becomes once the machine is known.
+    /// The scripts that this host runs, once the machine is known.
     type Scripts: Scripts;
 
-    /// Makes values from what files hold.
+    /// Converts literals of files to values.
     fn literals(&mut self) -> &mut dyn Literals<HostValue<Self>>;
 
-    /// Makes a value from JSON.
+    /// Converts JSON to a value.
     fn value(&mut self, json: &serde_json::Value) -> Result<HostValue<Self>, ValueError>;
 
-    /// Learns what it is going to run, before anything is loaded.
+    /// Receives the launch, before anything is loaded.
     fn launched(&mut self, _launch: &Launch) {}
 
-    /// The machine to run, if the host has it already: it is not read from its folder then. Asked once.
+    /// The machine to run, if the host supplies it; then it is not loaded from its folder. Asked once.
     fn built(&mut self) -> Option<Built> {
         None
     }
 
-    /// Values of input ports of the root that the host has, by name; they come before those of the launch.
+    /// The host's values for input ports of the root, by name. Those of the launch take precedence.
     fn inputs(&mut self) -> Vec<(SmolStr, HostValue<Self>)> {
         Vec::new()
     }
@@ -147,37 +147,37 @@ pub trait Host {
     /// Opens the machine that is going to run.
     fn open(self, opening: Opening<HostValue<Self>>) -> Self::Scripts;
 
-    /// The run is ready: scripts that ask about it ask `driver`.
+    /// Called when the run is ready. Scripts query it through `driver`.
     fn opened(driver: &Arc<Driver<Self::Scripts>>);
 }
 
 /// A machine that a program has built in this process.
 #[derive(Debug)]
 pub struct Built {
-    /// The machine.
+    /// The machine to run.
     pub machine: Machine,
-    /// Where it was read or written last, if it was.
+    /// Files of the machine, if it was loaded or saved before.
     pub saved: Option<Saved>,
-    /// Where the libraries lie that it uses.
+    /// The libraries that the machine uses.
     pub libraries: Arc<Libraries>,
 }
 
 /// The values of a host.
 pub type HostValue<H> = <<H as Host>::Scripts as Scripts>::Value;
 
-/// What a host gets to know before the first script runs.
+/// Data for a host before the first script runs.
 #[derive(Debug)]
 pub struct Opening<D> {
-    /// The machine.
+    /// The machine of the run.
     pub machine: Machine,
-    /// The same, compiled.
+    /// The machine in its compiled form.
     pub program: Arc<Program<D>>,
-    /// Where its scripts lie.
+    /// Files of the machine's scripts.
     pub files: StateFiles,
-    /// The reference's config, as far as it concerns a run.
+    /// The reference's config, as far as a run uses it.
     pub config: Config,
-    /// How much the journal keeps: without values, none need be made ready for it.
+    /// The journal's level of keeping. Without values, the host need not prepare them.
     pub keeping: Keeping,
-    /// The folder of large values, if there is a journal; made when first needed.
+    /// The folder of large values, if the run has a journal; created on first use.
     pub values: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! The latest truth about a run, for viewers that want it now and then.
+//! Snapshots of a run's current state, for viewers that request them now and then.
 
 use crate::Scripts;
 use crate::drive::driver::Driver;
@@ -7,7 +7,7 @@ use rafcon_engine::{Activity, PathId, Status, WaitReason};
 use rafcon_protocol::{ActiveState, Hold, Phase, RunStatus, Snapshot};
 use std::collections::BTreeMap;
 
-/// How things stand; the engine is held only while its active states are listed.
+/// Takes a snapshot. The engine is locked only while its active states are listed.
 pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     let look = |core: &mut crate::drive::core::Core<S::Value>| {
         let active = core.engine.snapshot();
@@ -18,7 +18,7 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
             _ => None,
         });
         let texts = Texts { nexts, waits: waits.collect() };
-        // With the engine held, in which nothing happens meanwhile.
+        // The engine is locked, so no event is added meanwhile.
         let sequence = driver.recorder().last();
         (active, texts, core.engine.status(), core.engine.states_run(), sequence)
     };
@@ -40,11 +40,11 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     })
 }
 
-/// What only the engine can say.
+/// Texts that only the engine can supply.
 struct Texts {
-    /// The paths of states that were perhaps never entered.
+    /// The paths of states that may never have been entered.
     nexts: BTreeMap<PathId, String>,
-    /// For what states wait.
+    /// The missing conditions of waiting states.
     waits: BTreeMap<PathId, String>,
 }
 
@@ -67,7 +67,7 @@ fn state<S: Scripts>(
     })
 }
 
-/// For what a state waits.
+/// The condition that a state waits for.
 fn detail(active: &rafcon_engine::ActiveState, texts: &Texts) -> Option<String> {
     match &active.activity {
         Activity::Waiting(_) => texts.waits.get(&active.path).cloned(),

@@ -1,8 +1,8 @@
-//! Who runs what: threads, the branches that own them, and work that has no thread yet.
+//! A pool of threads: the branches that own them, and tasks that have no thread yet.
 //!
-//! A new branch's first script waits in a queue. While the queue is not empty, one thread is on its way to it; the thread that
-//! takes the first entry sends for the next one before it begins. So a script that blocks never holds up another, and
-//! many short ones cost one thread and no hand-off.
+//! The first task of a new branch waits in a queue. While the queue is not empty, one thread is on its way to it. A
+//! thread that takes an entry sends for the next thread before it begins. So a blocking script never delays another,
+//! and many short ones need only one thread and no hand-off.
 
 use crate::drive::branch::{BranchMessage, BranchTask, Worker};
 use crate::places::active::Active;
@@ -10,18 +10,18 @@ use rafcon_engine::BranchId;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-/// The threads of a run. Only the holder of the engine touches it.
+/// The threads of a run. Only the holder of the engine accesses it.
 #[derive(Debug)]
 pub(crate) struct WorkerPool<D> {
     /// The thread that each active branch owns.
     owners: BTreeMap<BranchId, Arc<Worker<D>>>,
     idle: Vec<Arc<Worker<D>>>,
-    /// First scripts of branches without a thread.
+    /// First tasks of branches without a thread.
     ready: VecDeque<BranchTask<D>>,
-    /// Threads on their way to `ready`.
+    /// Number of threads on their way to `ready`.
     seekers: usize,
     active: Active,
-    /// There is nothing more to do, ever.
+    /// True if all threads must end.
     dismissed: bool,
 }
 
@@ -37,7 +37,7 @@ impl<D> WorkerPool<D> {
         }
     }
 
-    /// Work for another thread than the one that says so.
+    /// Queues a task for another thread than the current one.
     pub(crate) fn post(&mut self, turn: BranchTask<D>) {
         match self.owners.get(&turn.branch()) {
             Some(owner) => {
@@ -48,28 +48,28 @@ impl<D> WorkerPool<D> {
         }
     }
 
-    /// The thread of this branch continues with this script of its own.
+    /// Marks the next script of this branch as active on the branch's own thread.
     pub(crate) fn go_on(&mut self, turn: &BranchTask<D>) {
         if let Some(owner) = self.owners.get(&turn.branch()) {
             self.active.begin(owner.slot, &turn.place);
         }
     }
 
-    /// The thread of this branch runs no script now.
+    /// Marks that the thread of this branch runs no script.
     pub(crate) fn rest(&mut self, branch: BranchId) {
         if let Some(owner) = self.owners.get(&branch) {
             self.active.end(owner.slot);
         }
     }
 
-    /// A branch has nothing more to do; gives its thread back.
+    /// Ends a branch and returns its thread.
     pub(crate) fn end(&mut self, branch: BranchId) -> Option<Arc<Worker<D>>> {
         let worker = self.owners.remove(&branch)?;
         self.active.end(worker.slot);
         Some(worker)
     }
 
-    /// A thread has no branch any more and asks for the next one; without one it is idle from now on.
+    /// Gives a free thread the next queued task. Without one, the thread becomes idle.
     pub(crate) fn take(&mut self, worker: Arc<Worker<D>>) -> Option<BranchTask<D>> {
         let Some(turn) = self.ready.pop_front() else {
             self.retire(worker);
@@ -80,7 +80,7 @@ impl<D> WorkerPool<D> {
         Some(turn)
     }
 
-    /// A thread that waits for mail has no branch any more.
+    /// Makes a waiting thread idle, or ends it if the pool is dismissed.
     pub(crate) fn retire(&mut self, worker: Arc<Worker<D>>) {
         if self.dismissed {
             worker.mailbox.post(BranchMessage::End);
@@ -89,12 +89,12 @@ impl<D> WorkerPool<D> {
         }
     }
 
-    /// A thread that was sent for has come.
+    /// Counts the arrival of a thread at the queue.
     pub(crate) fn arrive(&mut self) {
         self.seekers = self.seekers.saturating_sub(1);
     }
 
-    /// Sends an idle thread to the queue if someone has to go there; true if a new thread has to be made for it.
+    /// Sends an idle thread to the queue if one is needed. Returns true if a new thread must be started instead.
     pub(crate) fn needs_thread(&mut self) -> bool {
         if self.ready.is_empty() || self.seekers > 0 {
             return false;
@@ -109,17 +109,17 @@ impl<D> WorkerPool<D> {
         }
     }
 
-    /// A new thread is on its way to the queue.
+    /// Counts a new thread on its way to the queue.
     pub(crate) fn sent(&mut self) {
         self.seekers += 1;
     }
 
-    /// No thread could be made: the work that was waiting for it.
+    /// Takes the task of a thread that could not be started.
     pub(crate) fn give_up(&mut self) -> Option<BranchTask<D>> {
         self.ready.pop_front()
     }
 
-    /// Ends every thread; one that was sent for and has not come yet ends when it comes.
+    /// Ends all threads. A thread on its way to the queue ends on arrival.
     pub(crate) fn dismiss(&mut self) {
         self.dismissed = true;
         let owners = std::mem::take(&mut self.owners).into_values();
