@@ -1,9 +1,9 @@
-//! Runs an engine in real time: threads, the clock, the memory of what happened, the talk with a viewer.
+//! Runs an engine in real time: threads, the clock, the record of events, and the connections to viewers.
 //!
-//! Knows how to drive an engine and whom to tell. Knows nothing of HTTP, browsers or Python: scripts run behind the port
-//! [`Scripts`].
+//! The runner drives an engine and sends its events to viewers. It knows no HTTP, browsers or Python: scripts run
+//! behind the port [`Scripts`].
 
-/// The engine with its lock, threads and scripts: what goes in, what comes out, and what is written down of it.
+/// The engine with its lock, threads and scripts: its inputs, its effects, and the record of both.
 mod drive {
     pub(crate) mod branch;
     pub(crate) mod carry_out;
@@ -28,7 +28,7 @@ mod drive {
     pub(crate) mod snapshot;
     pub(crate) mod worker_pool;
 }
-/// A run from its launch to its end, and again after a crash.
+/// A run from its launch to its end, and its resumption after a crash.
 mod life {
     pub(crate) mod begun;
     pub(crate) mod committer;
@@ -38,7 +38,7 @@ mod life {
     pub(crate) mod restore_values;
     pub(crate) mod resume;
 }
-/// Where a state of a run stands: its signals, mail and time limits, and what it did last. Does not know what drives it.
+/// The place of a state in a run: its signals, mailboxes, time limits and last data. It does not know the driver.
 mod places {
     pub(crate) mod active;
     pub(crate) mod clock;
@@ -50,7 +50,7 @@ mod places {
     pub mod signals;
     pub(crate) mod timers;
 }
-/// What happened in a run, as bytes: in the journal, in memory, and what of it is safe. Knows nothing of threads or viewers.
+/// The events of a run as bytes: in the journal and in memory, and which of them are safe. It knows no viewers.
 mod record {
     pub(crate) mod blocks;
     pub(crate) mod keep;
@@ -63,7 +63,8 @@ mod record {
 }
 #[cfg(test)]
 mod tests;
-/// Who is connected to a run: each is sent what it wants, and may command. Does not know how a run begins or ends.
+/// The viewers connected to a run: each receives the events that it requests, and may send commands. It does not know
+/// how a run begins or ends.
 mod viewers {
     pub(crate) mod commands;
     pub(crate) mod connection;

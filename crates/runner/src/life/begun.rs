@@ -1,5 +1,5 @@
-//! Where a run that is resumed was begun, as its journal tells it: by the launch or by a later command, and whether it came
-//! there. Knows events; what follows from it, the engine knows.
+//! The start state of a resumed run, from its journal: the state in the launch or in a later command, and whether the
+//! run reached it. This module knows events; the engine knows the consequences.
 
 use crate::drive::prepare::behind;
 use crate::life::resume::latest;
@@ -8,7 +8,7 @@ use rafcon_model::StatePath;
 use rafcon_protocol::{Answer, Beginning, Command, Event};
 use rafcon_storage::journal::{Entry, Moment, Places, Reader, Record};
 
-/// The state that the run was begun at last, if that still matters. A run that was begun before the latest events has come there.
+/// The last start state of the run, if it still matters. A run that started before the latest events has reached it.
 pub(crate) fn begun_at(
     reader: &mut Reader,
     last: &Moment,
@@ -17,7 +17,7 @@ pub(crate) fn begun_at(
     let entries = latest(reader, last).ok()?;
     let begun_again = entries.iter().rposition(|entry| begins(&entry.record));
     let (wanted, since) = match begun_again {
-        // What a command leads to stands before it.
+        // Entries that follow from a command are recorded before the command.
         Some(at) => (wanted(&entries[at].record), root_before(&entries[..at], last.places())),
         None => (launched(beginning), 0),
     };
@@ -64,7 +64,7 @@ fn launched(beginning: &Beginning) -> Option<(String, Then)> {
     Some((beginning.start_from.clone()?, behind(beginning.afterwards)))
 }
 
-/// Where the root was entered last.
+/// Index of the last entry of the root.
 fn root_before(entries: &[Entry], places: &Places) -> usize {
     let is_root = |entry: &Entry| {
         let Record::Entered { place, undoes: None, .. } = &entry.record else { return false };

@@ -1,5 +1,5 @@
-//! Makes the record safe, group by group, on a thread of its own; while the disk refuses, the run is paused. Knows what a failure
-//! means to a run, but not how a journal is written.
+//! Makes the record safe, group by group, on a thread of its own. While the disk fails, the run is paused. This module
+//! knows the consequences of a failure, but not the journal's format.
 
 use crate::Scripts;
 use crate::drive::driver::Driver;
@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::{self, Scope};
 
-/// Starts the threads that a journal needs; without one, none.
+/// Starts the threads of the journal, if the run has one.
 pub(crate) fn start<'scope, S: Scripts>(
     scope: &'scope Scope<'scope, '_>,
     driver: &'scope Arc<Driver<S>>,
@@ -29,7 +29,7 @@ pub(crate) fn start<'scope, S: Scripts>(
     Ok(())
 }
 
-/// Commits until the record is closed. Needs nothing that a branch may hold while it waits for this.
+/// Commits until the record is closed. Needs no lock that a branch may hold while it waits for a commit.
 fn serve(recorder: &Recorder) {
     let Some(journal) = recorder.journal() else { return };
     let safety = recorder.safety();
@@ -60,7 +60,7 @@ fn serve(recorder: &Recorder) {
     recorder.closed();
 }
 
-/// Does something with the journal. A defect of ours is a problem like any other: the run must not wait for ever.
+/// Accesses the journal. A panic of RAFCON counts as an error of the journal, so that the run does not wait for ever.
 fn attempt<T>(act: impl FnOnce() -> Result<T, JournalError>) -> Result<T, CommitError> {
     match catch_unwind(AssertUnwindSafe(act)) {
         Ok(done) => done.map_err(|error| CommitError::Journal(Box::new(error))),
@@ -94,7 +94,7 @@ struct DiskReporter<'d, S: Scripts> {
 }
 
 impl<S: Scripts> DiskReporter<'_, S> {
-    /// Nothing must happen that is not kept.
+    /// Pauses the run, so that everything that happens is kept.
     fn fails(&self, problem: &str) {
         let mut pauses = self.driver.journal_pauses().lock();
         *pauses = self.is(Status::Running) && self.driver.command(Input::Pause).is_ok();

@@ -1,4 +1,4 @@
-//! Bounds the values in the last event of a run. Knows JSON values, not their meaning.
+//! Limits the size of the values in the last event of a run. This module knows JSON values, not their meaning.
 
 use rafcon_protocol::{Event, LogLevel};
 use rafcon_storage::journal::folder::EndValues;
@@ -7,28 +7,30 @@ use serde_json::{Map, Value, json};
 use std::io;
 use std::path::Path;
 
-/// Up to this many bytes of JSON, the outputs are whole; so are the global variables, and the scoped variables.
+/// Limit in bytes of JSON up to which the outputs stay whole. It also applies to the global variables, and to the
+/// scoped variables.
 const WHOLE_MAX: usize = 64 << 10;
-/// Bytes of the views of as many values, at most. Afterwards only the size of each is shown.
+/// Limit in bytes of the views of one kind: outputs, global or scoped variables. Beyond it, only the size of a value is
+/// shown.
 const VIEWS_MAX: usize = 256 << 10;
-/// Counted for each value beside its text.
+/// Bytes counted for each value in addition to its text.
 const VALUE_BYTES: usize = 24;
-/// Values in one view, at most.
+/// Limit of the values in one view.
 const ITEMS_MAX: usize = 256;
-/// Maximum depth of a view.
+/// Limit of the depth of a view.
 const DEPTH_MAX: usize = 16;
-/// Bytes of one text, at most.
+/// Limit of one text in bytes.
 const TEXT_MAX: usize = 1024;
-/// Characters of a long text in a view.
+/// Number of characters of a long text in a view.
 const SHOWN_MAX: usize = 200;
-/// Named values in the event, at most.
+/// Limit of the named values in the event.
 const NAMES_MAX: usize = 256;
 
 /// Level and text of a line in the log of the run.
 type Note = (LogLevel, String);
 
-/// The last event with bounded values, so that a link carries it. If they are long, the folder of the run gets all of them. The notes
-/// report a failure, and values that the event does not name.
+/// Shortens the values of the last event, so that a link can carry it. If they are long, all values are written to the
+/// folder of the run. The notes report a failure, and values that the event does not name.
 pub(super) fn bounded(event: Event, folder: &Path) -> (Event, Vec<Note>) {
     let Event::Finished { outcome, outputs, globals, scoped_variables, states_run } = event else {
         return (event, Vec::new());
@@ -70,7 +72,7 @@ fn message(error: &JournalError) -> String {
     )
 }
 
-/// Counts the bytes up to the limit.
+/// A writer that fails once it has received more bytes than this.
 struct Room(usize);
 
 impl io::Write for Room {
@@ -102,11 +104,11 @@ fn views(values: Map<String, Value>, is_whole: bool) -> Map<String, Value> {
     named(&values).map(view).collect()
 }
 
-/// A view on its way.
+/// A view under construction.
 struct View<'r> {
-    /// Values that may still be shown.
+    /// Number of values that may still be shown.
     left: usize,
-    /// Bytes that this view and later ones may take.
+    /// Bytes left for this view and later ones.
     room: &'r mut usize,
 }
 
@@ -115,7 +117,8 @@ impl<'r> View<'r> {
         Self { left: ITEMS_MAX, room }.at(value, 0)
     }
 
-    /// Takes the room for a value with these bytes of text; false if there is too little, and then for all that follow.
+    /// Takes the room for a value with these bytes of text. Returns false if there is too little room, for this value
+    /// and all later ones.
     fn takes(&mut self, text: usize) -> bool {
         let left = self.room.checked_sub(text + VALUE_BYTES);
         *self.room = left.unwrap_or_default();
@@ -143,7 +146,7 @@ impl<'r> View<'r> {
         }
     }
 
-    /// Shortens a value with a tag as a whole: a tag around a shortened content would be another value.
+    /// Shortens a value with a tag as a whole, because a tag around shortened content would be another value.
     fn tagged(&mut self, tag: &str, inner: &Value, depth: usize) -> Value {
         let mut shown = self.at(inner, depth);
         if shown.is_object() && !inner.is_object() {
@@ -187,7 +190,7 @@ impl<'r> View<'r> {
     }
 }
 
-/// The tag of a value that JSON does not have, such as a tuple, and its content.
+/// The tag and the content of a value that JSON does not have, such as a tuple.
 fn tag_of(members: &Map<String, Value>) -> Option<(&str, &Value)> {
     let (tag, inner) = members.iter().next().filter(|_| members.len() == 1)?;
     let is_tag = tag.len() > 4 && tag.starts_with("__") && tag.ends_with("__");
@@ -241,7 +244,7 @@ mod tests {
             assert!(length < 2 << 20, "{length} bytes");
             let Event::Finished { outputs: shown, globals: views, .. } = &event else { panic!() };
             assert_eq!(Value::from(shown.clone()), outputs);
-            // A value without room still has its length.
+            // A value without room still shows its length.
             assert_eq!(views.values().next_back().unwrap()["__len__"], ITEMS_MAX - 1);
             assert_eq!((views.len(), notes.len()), (NAMES_MAX, 1));
         }

@@ -1,4 +1,4 @@
-//! One run from hello to the last word. Knows the order of things; the parts know how.
+//! One run from the hello to its last event. This module knows the order of the steps; other modules implement them.
 
 use crate::drive::document::Document;
 use crate::drive::driver::Driver;
@@ -32,24 +32,24 @@ use std::thread::{self, Scope};
 /// The exit status of a runner whose engine failed.
 const BROKEN: i32 = 87;
 
-/// Why there was no run.
+/// A reason why no run took place.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// The talk did not begin.
+    /// The connection to the viewer failed.
     #[error(transparent)]
     Talk(#[from] TalkError),
-    /// The first message was something else.
+    /// The first message was not a launch.
     #[error("the viewer's first message is not a launch")]
     NoLaunch,
-    /// The machine cannot be run; the viewer was told.
+    /// The machine cannot be run. The viewer has received the reason.
     #[error(transparent)]
     Load(#[from] LoadFailure),
-    /// The system refused what every run needs.
+    /// The system refused a thread or a signal handler.
     #[error("the system refused a thread or a signal handler")]
     System(#[from] io::Error),
 }
 
-/// Runs what the viewer at the other end of `stream` asks for, to its end. Called outside the interpreter.
+/// Runs the launch of the viewer at the other end of `stream`, to its end. Called outside the interpreter.
 pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     let clock = Clock::start();
     let mut line = connection::open(Socket::new(stream))?;
@@ -65,7 +65,7 @@ pub fn serve<H: Host>(stream: UnixStream, host: H) -> Result<(), ServeError> {
     }
 }
 
-/// Loads the machine, makes everything ready and lets the run begin, or continue.
+/// Loads the machine, prepares everything and starts or resumes the run.
 fn begin<H: Host>(
     mut host: H,
     launch: &Launch,
@@ -127,7 +127,7 @@ fn loaded(launch: &Launch, machine: &Machine, problems: Vec<String>) -> ToViewer
     }
 }
 
-/// The record of a run that begins, or continues.
+/// Opens the record of a run that begins or continues.
 fn record(
     launch: &Launch,
     machine: &Machine,
@@ -144,18 +144,18 @@ fn record(
     Ok((recorder.map_err(failed)?, None))
 }
 
-/// The run's id: the name of its folder.
+/// The id of the run: the name of its folder.
 fn run_id(folder: &Path) -> String {
     folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// A run that has begun.
+/// A run that has begun, with everything that it needs.
 struct Begun<S: Scripts> {
     driver: Arc<Driver<S>>,
     loaded: ToViewer,
-    /// The first event that the viewer is told that launched the run.
+    /// Number of the first event for the viewer that launched the run.
     from: u64,
-    /// The commands that the runners before have answered.
+    /// Commands that earlier runners have answered.
     answers: Answers,
     signals: (Signals, Handle),
     door: Option<ViewerListener>,
@@ -189,7 +189,7 @@ impl<S: Scripts> Begun<S> {
     }
 }
 
-/// Where a run hears from the world.
+/// The sources of a run's inputs: its viewers, signals and the listener.
 struct Watch {
     line: Line,
     join: Join,
@@ -198,7 +198,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Starts the threads that look after a run.
+    /// Starts the threads of a run.
     fn begin<'scope, S: Scripts>(
         self,
         scope: &'scope Scope<'scope, '_>,
@@ -218,7 +218,7 @@ impl Watch {
     }
 }
 
-/// What the viewer that launched the run is told.
+/// The join of the viewer that launched the run.
 fn first(launch: &Launch, from: u64) -> Join {
     Join { from, every_event: launch.every_event }
 }
@@ -228,7 +228,7 @@ fn open_door(launch: &Launch) -> io::Result<Option<(ViewerListener, ListenerClos
     folder.map(ViewerListener::open).transpose()
 }
 
-/// Sets the breakpoints and lets the run begin, or continue.
+/// Sets the breakpoints, and starts or resumes the run.
 fn set_out<S: Scripts>(
     driver: &Arc<Driver<S>>,
     launch: &Launch,
@@ -246,8 +246,8 @@ fn set_out<S: Scripts>(
     Ok(driver.command(Input::Start(start))?)
 }
 
-/// Waits for the end of the run, and notes it down; breaks off if a script does not end. Then the interpreter is not entered
-/// any more: that script may never leave it.
+/// Waits for the end of the run and records it. Breaks off if a script does not end. Then the interpreter is not
+/// entered any more, because that script may never leave it.
 fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
     let end = driver.wait();
     let flow = match end {
@@ -267,14 +267,14 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
     flow
 }
 
-/// Lets the threads end that a run has, as it cannot have all that it needs; its scripts are asked to end.
+/// Ends a run that cannot get all its threads, and asks its scripts to end.
 pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<i32> {
     let message = format!("the system gave no thread to look after this run, which ends: {error}");
     driver.record().note_until_over(tell::log(String::new(), LogLevel::Error, message));
     driver.roots().dismiss();
     driver.timers().close();
     driver.recorder().abandon();
-    // Refused if the run has come to its end meanwhile.
+    // Refused if the run has ended meanwhile.
     drop(driver.command(Input::Stop));
     ControlFlow::Continue(())
 }
@@ -284,7 +284,7 @@ fn exit(status: i32) -> ! {
     signal_hook::low_level::exit(status)
 }
 
-/// The last event with bounded values, if the run has a folder for all of them.
+/// The last event with limited values, if the run has a folder for all of them.
 fn bounded<S: Scripts>(driver: &Driver<S>, event: Event) -> Event {
     let Some(folder) = driver.recorder().folder() else { return event };
     let (event, notes) = end_values::bounded(event, folder);
@@ -307,19 +307,19 @@ fn finished<S: Scripts>(scripts: &S, finish: Finish<S::Value>) -> Event {
     }
 }
 
-/// Takes the signals of the system over from now on. The second value ends [`stop_at_signals`].
+/// Handles signals of the system from now on. The second value ends [`stop_at_signals`].
 fn take_over_signals() -> io::Result<(Signals, Handle)> {
     let signals = Signals::new([SIGINT, SIGTERM, SIGHUP])?;
     let handle = signals.handle();
     Ok((signals, handle))
 }
 
-/// Stops the run at each request, until the handle is closed. A terminal that hangs up means nothing to a run.
+/// Stops the run at each signal, until the handle is closed. The hang-up of a terminal is ignored.
 fn stop_at_signals<S: Scripts>(driver: &Arc<Driver<S>>, mut signals: Signals) {
     for signal in signals.forever() {
         if signal != SIGHUP {
             driver.reach_for_stop(|_why| ());
-            // Refused when the run is over or has not begun, and then there is nothing to stop.
+            // Refused if the run is over or has not begun, so nothing needs to stop.
             drop(driver.command(Input::Stop));
         }
     }

@@ -1,4 +1,4 @@
-//! Where the record of a run is kept, as its launch asks. Knows folders, but not what is written.
+//! Opens the record of a run, as its launch specifies. This module knows folders, but not the contents.
 
 use crate::Clock;
 use crate::record::recorder::Recorder;
@@ -7,10 +7,10 @@ use rafcon_protocol::{Keeping, Launch, OnCrash};
 use rafcon_storage::journal::{About, Journal, JournalError, Options};
 use std::path::Path;
 
-/// The entry of the root's semantic data that says what becomes of interrupted scripts.
+/// Key in the root's semantic data for the recovery of interrupted scripts.
 const ON_CRASH: &str = "on_crash";
 
-/// The record of a run that begins: with a journal, if it has a folder and is to be kept.
+/// The record of a new run, with a journal if the launch has a folder and keeps events.
 pub(crate) fn begin(
     launch: &Launch,
     machine: &Machine,
@@ -26,7 +26,7 @@ pub(crate) fn begin(
     }
 }
 
-/// How a journal is written that may have this size.
+/// Options for a journal with this size limit.
 pub(crate) fn options(size_max: Option<u64>) -> Options {
     let usual = Options::default();
     Options { size_max: size_max.unwrap_or(usual.size_max), ..usual }

@@ -1,5 +1,5 @@
-//! A moment of a journal made into what an engine continues from. Knows both; what cannot be made again is a stand-in that no
-//! script ever gets.
+//! Converts a moment of a journal to the engine's configuration. Values that cannot be restored become placeholders,
+//! which no script receives.
 
 use crate::Scripts;
 use crate::drive::error::ValueError;
@@ -13,40 +13,40 @@ use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Makes values of one journal again, each once.
+/// Restores values of one journal, each only once.
 pub(crate) struct ValueRestorer<'r, S: Scripts> {
     scripts: &'r S,
     reader: &'r Reader,
     machine: &'r Machine,
     values: PathBuf,
     made: BTreeMap<u64, S::Value>,
-    /// Whether there is a stand-in among the values.
+    /// True if a value became a placeholder.
     lost: bool,
 }
 
-/// What was kept beside the states.
+/// Restored data outside of the active states.
 pub(crate) struct RestoreContext<D> {
     /// Global variables by name.
     pub(crate) globals: Vec<(SmolStr, D)>,
-    /// What states keep from one run to the next, by their paths.
+    /// Persistent values of states by path.
     pub(crate) persistent: Vec<(String, D)>,
-    /// What could not be made again, for people.
+    /// Values that could not be restored, described for people.
     pub(crate) problems: Vec<String>,
 }
 
 impl<'r, S: Scripts> ValueRestorer<'r, S> {
-    /// For a run with this journal that continues with `machine`.
+    /// A restorer for a run with this journal that continues with `machine`.
     pub(crate) fn new(scripts: &'r S, reader: &'r Reader, machine: &'r Machine) -> Self {
         let values = reader.folder().join(VALUES_FOLDER);
         Self { scripts, reader, machine, values, made: BTreeMap::new(), lost: false }
     }
 
-    /// Whether a value could not be made again so far.
+    /// True if a value could not be restored.
     pub(crate) fn note_lost_values(&self) -> bool {
         self.lost
     }
 
-    /// What was active; `None` if nothing was.
+    /// The active states; `None` if none was active.
     pub(crate) fn root(&mut self, moment: &Moment) -> Option<ActiveStateData<S::Value>> {
         let standing = moment.active();
         let mut below: Vec<Vec<ActiveStateData<S::Value>>> =
@@ -64,7 +64,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         None
     }
 
-    /// Global variables and what states keep for themselves.
+    /// Restores global variables and persistent values of states.
     pub(crate) fn surroundings(&mut self, moment: &Moment) -> RestoreContext<S::Value> {
         let mut problems = Vec::new();
         let mut made = |kept: &Kept, what: String| match self.make(kept) {
@@ -86,7 +86,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         RestoreContext { globals, persistent, problems }
     }
 
-    /// Values of a state by the names of its ports.
+    /// Restores values of a state by the names of its ports.
     pub(crate) fn named(
         &mut self,
         place: &Place,
@@ -131,7 +131,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         }
     }
 
-    /// The error that the child that ended last handed on.
+    /// The error that the last ended child passed on.
     fn given_error(&mut self, around: Option<&journal::ActiveStateData>) -> Option<S::Value> {
         let around = around?;
         let last = around.last.as_ref()?;
@@ -168,7 +168,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         values.map(|(id, kept)| (port(*id), self.value(kept, name_of(all, *id), place))).collect()
     }
 
-    /// A value again, or what stands for it.
+    /// The restored value, or a placeholder.
     fn value(&mut self, kept: &Kept, name: &str, place: &Place) -> S::Value {
         self.make(kept).unwrap_or_else(|why| self.stand_in(name, place, &why.0))
     }
@@ -195,7 +195,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
         Ok(value)
     }
 
-    /// Whether the values of the state at this path are kept.
+    /// True if the values of the state at this path are kept.
     fn is_kept_whole(&self, path: &str) -> bool {
         let path = StatePath::parse(path);
         let around = (1..=path.0.len()).map(|length| StatePath(path.0[..length].to_vec()));

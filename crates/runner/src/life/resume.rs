@@ -1,5 +1,5 @@
-//! Runs that are resumed: after the end of their runner, or at an entry of their history. Knows what has to be put back,
-//! and in which order; what a journal says, others read.
+//! Resumes runs: after the end of their runner, or at an entry of their history. This module knows what must be
+//! restored, and in which order; the storage crate parses the journal.
 
 use crate::drive::dispatch::Order;
 use crate::drive::error::{CommandError, LoadFailure, ResumeError};
@@ -26,32 +26,32 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-/// After its root was left a run does not say more than this.
+/// Number of latest events that a resumption searches. A run records fewer after its root was left.
 const LAST_EVENTS: u64 = 10_000;
 
-/// A journal that a runner continues with, and the moment from which.
+/// A journal with which a runner continues, and its last moment.
 pub(crate) struct Resumed {
     pub(crate) resume_point: ResumePoint,
     journal: Journal,
     reader: Reader,
-    /// How the run stood at its end.
+    /// The state of the run at its end.
     last: Moment,
     from: Option<From>,
     crash: Crash,
     policy: OnCrash,
 }
 
-/// An entry of the history to go back to.
+/// An entry of the history at which the run restarts.
 struct From {
     sequence: u64,
-    /// The moment before it.
+    /// The moment before the entry.
     before: Moment,
-    /// The root and its inputs, if it is the root that was entered.
+    /// The root and its inputs, if the entry is that of the root.
     root: Option<(Arc<Place>, Vec<Kept>)>,
 }
 
 impl Resumed {
-    /// Takes the journal of the run over.
+    /// Takes over the journal of the run.
     pub(crate) fn open(launch: &Launch, resume: Resume) -> Result<Self, ResumeError> {
         let folder = launch.run_folder.as_deref().ok_or(ResumeError::NoFolder)?;
         if let Ok(About { robot: Some(robot), .. }) = About::read(folder) {
@@ -64,14 +64,14 @@ impl Resumed {
                 Ok(Self { resume_point, journal, reader, last, from, crash, policy: resume.policy })
             }
             Err(why) => {
-                // What cannot be closed is as it was found: a run without a runner.
+                // If the journal cannot be closed, it remains as found: a run without a runner.
                 drop(journal.close());
                 Err(why)
             }
         }
     }
 
-    /// Loads the machine as the run kept it.
+    /// Loads the machine that the run kept.
     pub(crate) fn prepare<H: Host>(
         &self,
         host: &mut H,
@@ -79,7 +79,7 @@ impl Resumed {
     ) -> Result<Prepared<crate::HostValue<H>>, LoadFailure> {
         let about = &self.resume_point.about;
         let has_entered = self.last.entries() > 0;
-        // Its first state may be gone since it was entered.
+        // The start state may have been removed after its entry.
         let Beginning { start_from, afterwards, hold, .. } =
             if has_entered { Beginning::default() } else { about.beginning.clone() };
         let launch = &Launch {
@@ -100,12 +100,12 @@ impl Resumed {
         Ok(prepare(host, launch, packed.transpose()?)?)
     }
 
-    /// The hash of the machine that the run goes by, if it was kept.
+    /// The hash of the run's current machine, if it was kept.
     pub(crate) fn kept_machine(&self) -> Option<&str> {
         self.last.whole().root.as_deref()
     }
 
-    /// The run's life continues with this record.
+    /// Continues the record of the run.
     pub(crate) fn recorder(self) -> (Recorder, ResumedPast) {
         let Self { resume_point, journal, reader, last, from, crash, policy } = self;
         let About { keeping, strict, .. } = resume_point.about;
@@ -114,7 +114,7 @@ impl Resumed {
     }
 }
 
-/// How the run stood after its last event, and where it is to go back to.
+/// The state of the run after its last event, and the entry at which it restarts.
 fn look(
     folder: &Path,
     last: u64,
@@ -132,12 +132,12 @@ fn look(
     Ok((reader, last, from))
 }
 
-/// No script gets a value that is not as it was written.
+/// A damaged value refuses the resumption, so that no script receives it.
 fn damaged_value(error: JournalError) -> ResumeError {
     ResumeError::DamagedValue(Box::new(error))
 }
 
-/// What a run that is resumed has behind it.
+/// The past of a resumed run.
 pub(crate) struct ResumedPast {
     reader: Reader,
     last: Moment,
@@ -148,12 +148,12 @@ pub(crate) struct ResumedPast {
 }
 
 impl ResumedPast {
-    /// The latest commands, with their answers: none of them is carried out again.
+    /// The latest commands, each with its answer. None of them is carried out again.
     pub(crate) fn answers(&self) -> Answers {
         self.last.whole().answers.clone()
     }
 
-    /// Puts everything back and lets the run continue, or begin by `start` if its first state was not entered.
+    /// Restores the run and continues it, or starts it by `start` if no state was active.
     pub(crate) fn go_on<S: Scripts>(
         mut self,
         driver: &Arc<Driver<S>>,
@@ -161,7 +161,7 @@ impl ResumedPast {
         hold: bool,
     ) -> Result<(), CommandError> {
         let whole = self.last.whole();
-        // There are fewer questions than events.
+        // The number of the last event exceeds that of every question.
         driver.questions().go_on_after(self.resume_point.sequence);
         let (life, crash, policy) = (self.resume_point.life, self.crash.clone(), self.policy);
         driver.record().tell(Event::Resumed { life, crash, policy });
@@ -214,14 +214,14 @@ impl ResumedPast {
     }
 }
 
-/// The events at the end of a journal, as far as taking a run up looks back.
+/// The events at the end of a journal, up to the limit for a resumption.
 pub(crate) fn latest(reader: &mut Reader, last: &Moment) -> Result<Vec<Entry>, JournalError> {
     let first = last.sequence().saturating_sub(LAST_EVENTS).max(1);
     reader.page(first, usize::try_from(LAST_EVENTS).unwrap_or(usize::MAX).saturating_add(1))
 }
 
-/// Whether a run that was paused at its end was so because someone wanted it: then a command says so, in one group with the pause
-/// or later. Else its journal could not be written, and no one holds it.
+/// True if a command or a breakpoint caused the pause at the end of the run. A command is recorded in the group of its
+/// pause, or later. Otherwise the journal could not be written, and the resumed run is not held.
 fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
     let Ok(entries) = latest(reader, last) else { return true };
     let mut events = entries.iter().rev().filter_map(|entry| match &entry.record {
@@ -245,7 +245,8 @@ fn somebody_paused(reader: &mut Reader, last: &Moment) -> bool {
     true
 }
 
-/// How the run was asked to stop, if it was. Where a journal does not say when, everything active was asked to end.
+/// The request to stop, if the run was stopping. If the journal does not record its order, all active states were asked
+/// to end.
 fn stopping(last: &Moment) -> Option<Stopping> {
     let whole = last.whole();
     let everything = Stopping { order: last.sequence() + 1, twice: false };
@@ -254,13 +255,13 @@ fn stopping(last: &Moment) -> Option<Stopping> {
     (whole.status == RunStatus::Stopping).then_some(stop)
 }
 
-/// What the engine of the life before had counted.
+/// The counts of the earlier engine.
 fn counted(last: &Moment) -> Counted {
     Counted { states_run: last.states_run(), entries: last.entries() }
 }
 
 impl<S: Scripts> Driver<S> {
-    /// Begins again at an entry of the history of this run, which has to stand still.
+    /// Restarts this run at an entry of its history, while no script runs.
     pub(crate) fn start_from_history(
         self: &Arc<Self>,
         sequence: u64,
@@ -272,7 +273,7 @@ impl<S: Scripts> Driver<S> {
         self.go_back(&reader, &from, Counted::default(), order)
     }
 
-    /// How a run ended whose runner died before it could say so: nothing is active any more, and its root was left.
+    /// The result of a run whose runner died before it reported the end: no state is active, and the root was left.
     fn unreported_finish(&self, reader: &mut Reader, last: &Moment) -> Option<Finish<S::Value>> {
         if last.entries() == 0 || !last.active().is_empty() {
             return None;
@@ -324,7 +325,7 @@ impl<S: Scripts> Driver<S> {
         };
         let moment = from.before.to_bytes();
         let record = Record::WentBack { sequence: from.sequence, moment };
-        // A command that is refused must not touch what a script may be using.
+        // A refused command must not change values that a script may be using.
         self.input_beside(
             input,
             || order.is_late(),
@@ -344,7 +345,7 @@ impl<S: Scripts> Driver<S> {
         Input::Start(Start { inputs: inputs.unwrap_or_default(), hold: true, ..Start::default() })
     }
 
-    /// What was active at a moment, and what was around it.
+    /// Restores the active states of a moment, and the data outside of them.
     fn revive(
         &self,
         reader: &Reader,
@@ -358,7 +359,7 @@ impl<S: Scripts> Driver<S> {
         (root, around)
     }
 
-    /// Puts global variables and what states keep back.
+    /// Restores global variables and persistent values of states.
     fn put_back(&self, around: RestoreContext<S::Value>) {
         let RestoreContext { globals, persistent, mut problems } = around;
         let globals = globals.into_iter().map(|(name, value)| {
@@ -378,7 +379,7 @@ impl<S: Scripts> Driver<S> {
 }
 
 impl From {
-    /// Finds the entry.
+    /// Finds the entry with this number.
     fn find(reader: &mut Reader, sequence: u64) -> Result<Self, ResumeError> {
         let page = reader.page(sequence, 1)?;
         let entry = page.first().filter(|entry| entry.sequence == sequence);
@@ -399,7 +400,7 @@ impl From {
     }
 }
 
-/// What is known of the end of the last runner, if no one saw it.
+/// The crash information from the files of the last runner, if nobody observed its end.
 fn crash(folder: &Path) -> Crash {
     let read = |name| fs::read(folder.join(name)).unwrap_or_default();
     let paths = read(active::PATHS_FILE);
@@ -407,7 +408,7 @@ fn crash(folder: &Path) -> Crash {
     Crash { reason: "nobody saw how it ended".to_owned(), active }
 }
 
-/// What scripts see as the error of a state that a crash interrupted.
+/// The error that scripts see for a state that a crash interrupted.
 fn crash_text(crash: &Crash) -> String {
     let active = match crash.active.as_slice() {
         [] => "no script was running".to_owned(),
@@ -428,7 +429,7 @@ mod tests {
     const COMMAND: &str = r#"told {"type":"commanded","envelope":{"id":"1","command":{"type":"pause"}},"answer":{"answer":"applied"}}"#;
     const HIT: &str = r#"told {"type":"hit","breakpoint":1,"path":"R","hits":1,"held":true}"#;
 
-    /// Whether someone wanted the pause at the end of this run.
+    /// Checks whether someone requested the pause at the end of this run.
     fn check(events: &[&str], expected: bool) {
         let folder = tempfile::tempdir().unwrap();
         let run = format!("place R \"Root\" outcome done\nenter R\n{}\n", events.join("\n"));

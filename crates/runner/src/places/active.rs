@@ -1,5 +1,5 @@
-//! Which scripts run right now, in memory that outlives a crash of this process. The files are described at
-//! [`rafcon_protocol::active`]; a script's mark is one store.
+//! Marks the running scripts in memory that outlives a crash of this process. [`rafcon_protocol::active`] describes the
+//! files. A script's mark is one store.
 
 use crate::Place;
 use memmap2::MmapMut;
@@ -10,7 +10,7 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// The two files, or nothing if the run has no folder or its disk refuses.
+/// The two files; `None` if the run has no folder, or its disk fails.
 #[derive(Debug, Default)]
 pub(crate) struct Active {
     files: Option<Files>,
@@ -24,10 +24,10 @@ struct Files {
 }
 
 impl Active {
-    /// Makes the files in `folder`.
+    /// Creates the files in `folder`.
     pub(crate) fn open(folder: &Path) -> io::Result<Self> {
         let file = create(&folder.join(SLOTS_FILE))?;
-        // Not only its length: on a full disk the first mark in a hole would end the process.
+        // Writes the zeros, because on a full disk the first mark in a hole would end the process.
         (&file).write_all(&vec![0; SLOTS * 4])?;
         Ok(Self {
             files: Some(Files {

@@ -1,23 +1,23 @@
-//! The crate's one clock.
+//! The only clock of this crate.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Time since the run began, and the time of day where a command's expiry asks for it.
+/// The time since the run began, and the time of day for the expiry of commands.
 #[derive(Debug, Clone, Copy)]
 pub struct Clock {
     start: Instant,
-    /// What had passed of the run when this runner began, in ns.
+    /// Elapsed time of the run when this runner began, in ns.
     before_ns: u64,
 }
 
 impl Clock {
-    /// A clock that begins now.
+    /// Starts the clock of a new run.
     #[expect(clippy::disallowed_methods, reason = "this is the crate's one clock module")]
     pub fn start() -> Self {
         Self { start: Instant::now(), before_ns: 0 }
     }
 
-    /// The same for a run of which so much had passed before.
+    /// The clock of a run with this elapsed time.
     pub(crate) fn after(self, before_ns: u64) -> Self {
         Self { before_ns, ..self }
     }
@@ -33,7 +33,7 @@ impl Clock {
         self.now_ns() / 1_000_000
     }
 
-    /// When so much time has passed since the start.
+    /// The instant at this time of the run.
     pub(crate) fn instant(&self, at_ns: u64) -> Option<Instant> {
         let after = Duration::from_nanos(at_ns.saturating_sub(self.before_ns));
         self.start.checked_add(after)
@@ -46,7 +46,7 @@ impl Clock {
         u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// The moment `after` from now.
+    /// The instant `after` from now.
     #[expect(clippy::disallowed_methods, reason = "this is the crate's one clock module")]
     pub fn moment(after: Duration) -> Option<Instant> {
         Instant::now().checked_add(after)

@@ -1,4 +1,4 @@
-//! Where the script of a state lies on disk, for tracebacks and for scripts that ask. Knows folders, reads none.
+//! The script files of states, for tracebacks and for scripts. This module knows folders, but loads no file.
 
 use rafcon_locks::RwLock;
 use rafcon_model::StatePath;
@@ -6,14 +6,14 @@ use rafcon_storage::{Libraries, Saved};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The file with the script of a state.
+/// Name of the file with the script of a state.
 const SCRIPT: &str = "script.py";
 
 /// The folders of a machine and of its libraries.
 #[derive(Debug, Clone)]
 pub struct StateFiles {
     machine: PathBuf,
-    /// As it was read or written last; nothing for a machine that no file has.
+    /// The files as last loaded or saved; `None` for a machine without files.
     saved: Arc<RwLock<Option<Arc<Saved>>>>,
     libraries: Arc<Libraries>,
 }
@@ -24,22 +24,22 @@ impl StateFiles {
         Self { machine, saved: Arc::new(RwLock::new(saved.map(Arc::new))), libraries }
     }
 
-    /// The folder of the machine; empty for one that no file has.
+    /// The folder of the machine; empty for a machine without files.
     pub fn machine(&self) -> &Path {
         &self.machine
     }
 
-    /// The machine as it was read or written, if it was.
+    /// The files as last loaded or saved, if the machine has any.
     pub(crate) fn saved(&self) -> Option<Arc<Saved>> {
         self.saved.read().clone()
     }
 
-    /// The machine was read again.
+    /// Updates the files after the machine was loaded again.
     pub(crate) fn read_again(&self, saved: Saved) {
         *self.saved.write() = Some(Arc::new(saved));
     }
 
-    /// Where libraries are looked up.
+    /// The libraries in which library states are searched.
     pub fn libraries(&self) -> &Libraries {
         &self.libraries
     }

@@ -1,5 +1,5 @@
-//! What a container or library state held in its last run: scripts and programs ask for it after its end. Knows values; does
-//! not know who asks.
+//! The data of the last run of a container or library state, for scripts and programs after its end. This module knows
+//! values, but not who reads them.
 
 use rafcon_model::{Port, PortId, State};
 use smol_str::SmolStr;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// The data of one run of a state, begun or ended.
 #[derive(Debug, Clone)]
 pub struct Last<D> {
-    /// The state as it was then: its ports name the values.
+    /// The state at that time. Its ports name the values.
     state: Arc<State>,
     inputs: Arc<[D]>,
     outputs: Arc<[D]>,
@@ -17,7 +17,7 @@ pub struct Last<D> {
 }
 
 impl<D> Last<D> {
-    /// A run begins with these inputs.
+    /// The data of a run that begins with these inputs.
     pub(crate) fn begun(state: &Arc<State>, inputs: &Arc<[D]>) -> Self {
         Self {
             state: Arc::clone(state),
@@ -28,7 +28,7 @@ impl<D> Last<D> {
         }
     }
 
-    /// A scoped variable got a value.
+    /// Updates a scoped variable.
     pub(crate) fn set_scoped(&mut self, port: PortId, value: D) {
         match self.scoped_variables.iter_mut().find(|(known, _)| *known == port) {
             Some((_, old)) => *old = value,
@@ -36,7 +36,7 @@ impl<D> Last<D> {
         }
     }
 
-    /// The run has ended.
+    /// Stores the end of the run.
     pub(crate) fn end(&mut self, outputs: &Arc<[D]>, error: Option<Box<D>>) {
         self.outputs = Arc::clone(outputs);
         self.error = error;
@@ -47,7 +47,7 @@ impl<D> Last<D> {
         named(self.state.inputs.as_slice(), &self.inputs)
     }
 
-    /// The outputs by name; none before the end.
+    /// The outputs by name; empty before the end of the run.
     pub fn outputs(&self) -> impl Iterator<Item = (&SmolStr, &D)> {
         named(self.state.outputs.as_slice(), &self.outputs)
     }

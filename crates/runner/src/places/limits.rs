@@ -1,5 +1,5 @@
-//! What the semantic data of states limits: deadlines, grace periods, and how much a run keeps of them (`docs/semantics.md`). Knows what machines
-//! say; knows nothing of a clock.
+//! Limits from the semantic data of states: deadlines, grace periods and keeping levels (`docs/semantics.md`). This
+//! module knows the entries, but no clock.
 
 use rafcon_engine::{Node, NodeId, Program};
 use rafcon_model::{Json, Kind, LibraryContent, Loss, LossPolicy, Machine, State, seconds_as_ms};
@@ -7,17 +7,18 @@ use rafcon_protocol::Keeping;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Passing it preempts the state: seconds from its entry.
+/// Key of the deadline: seconds from the entry of a state, after which it is preempted.
 const DEADLINE: &str = "deadline_s";
-/// How long a script may continue after it was asked to end, in seconds; that of the root counts for all states.
+/// Key of the grace period: seconds that a script may continue after it was asked to end. That of the root applies to
+/// all states without one.
 const GRACE: &str = "grace_s";
 
-/// What the states of one program say.
+/// The limits of the states in one program.
 #[derive(Debug, Default)]
 pub(crate) struct Limits {
-    /// By node; empty if no state says anything.
+    /// Limits by node; empty if no state has any.
     nodes: Vec<Limit>,
-    /// The times of silence that policies name, in ms: of the link, then of commands. Each list rises.
+    /// Times of silence that policies name, in ms: of the link, then of commands. Each list is sorted.
     silences: [Vec<u64>; 2],
 }
 
@@ -28,7 +29,7 @@ struct Limit {
 }
 
 impl Limits {
-    /// Those of a program.
+    /// The limits of a program.
     pub(crate) fn of<D>(program: &Program<D>) -> Self {
         let all = grace(program.node(Program::<D>::ROOT).state());
         let limit = |node: &Node<D>| Limit {
@@ -41,12 +42,12 @@ impl Limits {
         Self { nodes: if any { nodes } else { Vec::new() }, silences }
     }
 
-    /// Whether no state has any.
+    /// True if no state has a deadline or a grace period.
     pub(crate) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// The times of silence that policies name, in ms: of the link, then of commands. Each list rises.
+    /// Times of silence that policies name, in ms: of the link, then of commands. Each list is sorted.
     pub(crate) fn silences(&self) -> &[Vec<u64>; 2] {
         &self.silences
     }
@@ -80,7 +81,7 @@ fn entry<'s>(state: &'s State, key: &str) -> Option<&'s Json> {
     state.semantic_data.as_ref()?.get(key)
 }
 
-/// What cannot be understood, one line each.
+/// Invalid entries, one line each.
 pub(crate) fn faults(machine: &Machine) -> Vec<String> {
     let mut faults = Vec::new();
     let mut libraries = BTreeSet::new();
@@ -108,13 +109,13 @@ pub(crate) fn faults(machine: &Machine) -> Vec<String> {
     faults
 }
 
-/// How much is kept of a state: `off`, `status` or `full`.
+/// Key of the keeping level: `off`, `status` or `full`.
 const KEEPING: &str = "journal";
 
-/// How much of `state` is kept, if that much is kept of the state around it (of the root: of the run).
+/// The keeping level of `state`, given that of the state around it, or of the run for the root.
 ///
-/// A state cannot ask for more than the one around it. [`Keeping::Off`] leaves out its values and log lines; that it came and
-/// went is kept all the same, for without it a run could not be resumed.
+/// A state cannot keep more than the state around it. [`Keeping::Off`] drops its values and log lines. Its entries and
+/// ends are kept nevertheless, because without them a run could not be resumed.
 pub(crate) fn keeping_of(state: &State, around: Keeping) -> Keeping {
     around.min(asked(state).unwrap_or_default())
 }

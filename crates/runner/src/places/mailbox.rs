@@ -1,9 +1,9 @@
-//! How a branch's thread gets its next work from another thread.
+//! Passes work from one thread to the thread of a branch.
 
 use rafcon_locks::{Condvar, Mutex};
 use std::collections::VecDeque;
 
-/// What waits for one thread. A branch has one piece of work at a time, so it never holds more than a few.
+/// The queue of one thread. A branch has one piece of work at a time, so the queue stays short.
 #[derive(Debug)]
 pub(crate) struct Mailbox<T> {
     mail: Mutex<VecDeque<T>>,
@@ -17,13 +17,13 @@ impl<T> Default for Mailbox<T> {
 }
 
 impl<T> Mailbox<T> {
-    /// Leaves `mail` for the owner and wakes it.
+    /// Adds `mail` for the owner and wakes it.
     pub(crate) fn post(&self, mail: T) {
         self.mail.lock().push_back(mail);
         self.arrived.notify_one();
     }
 
-    /// Waits for the next piece of mail.
+    /// Waits for the next entry.
     pub(crate) fn wait(&self) -> T {
         let mut mail = self.mail.lock();
         loop {

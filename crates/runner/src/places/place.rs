@@ -1,4 +1,4 @@
-//! Places of the machine as a run has met them: their names, flags and latest numbers. Knows no values.
+//! Places of the machine that a run has reached: their names, flags and latest numbers. This module knows no values.
 
 use crate::Signals;
 use rafcon_engine::{NodeId, PathId};
@@ -8,42 +8,42 @@ use rafcon_storage::journal::PlaceNumber;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-/// No place, in a field that may hold the number of one.
+/// Value for no place, in a field with the number of a place.
 const NOWHERE: u32 = u32::MAX;
-/// No outcome, in a field that may hold one.
+/// Value for no outcome, in a field with an outcome.
 const NEVER_LEFT: i64 = i64::MIN;
 
 /// One place where a state can run.
 #[derive(Debug)]
 pub struct Place {
-    /// Its number in the run.
+    /// Number of the place in the run.
     pub path: PathId,
-    /// Which state stands there.
+    /// The state at this place.
     pub node: NodeId,
     /// The place around it; `None` for the root.
     pub parent: Option<PathId>,
     /// State ids from the root, joined by `/`.
     pub text: Arc<str>,
-    /// What its script is asked to do.
+    /// Requests for its script.
     pub signals: Signals,
-    /// How much is kept of its state, if everything is kept of the run.
+    /// Keeping level of its state, if the run keeps everything.
     pub keeping: Keeping,
-    /// Its number in the record of the run.
+    /// Number of the place in the record of the run.
     pub(crate) number: PlaceNumber,
-    /// Its line in the list of active scripts, counted from 1; 0 if it has none yet.
+    /// Line in the list of active scripts, counted from 1; 0 if it has none yet.
     pub(crate) line: AtomicU32,
     entered_ns: AtomicU64,
     active: AtomicBool,
     runs: AtomicU32,
     outcome: AtomicI64,
-    /// The child that was left last.
+    /// The child that ended last.
     last_left: AtomicU32,
-    /// The sibling that was left last when this state was entered.
+    /// The sibling that had ended last when this state was entered.
     previous: AtomicU32,
 }
 
 impl Place {
-    /// A place that nothing has happened at.
+    /// A place without history.
     pub(crate) fn new(path: PathId, node: NodeId, parent: Option<PathId>, text: Arc<str>) -> Self {
         Self {
             path,
@@ -63,50 +63,50 @@ impl Place {
         }
     }
 
-    /// The same with another number in the record, and a choice of how much is kept.
+    /// This place with its number in the record and its keeping level.
     pub(crate) fn recorded(self, number: PlaceNumber, keeping: Keeping) -> Self {
         Self { keeping, number, ..self }
     }
 
-    /// How often its state was entered.
+    /// Number of entries of its state.
     pub fn runs(&self) -> u32 {
         self.runs.load(Ordering::Relaxed)
     }
 
-    /// Whether its state is active.
+    /// True if its state is active.
     pub fn is_active(&self) -> bool {
         self.active.load(Ordering::Relaxed)
     }
 
-    /// The outcome by which its state was left last.
+    /// The outcome by which its state last ended.
     pub fn outcome(&self) -> Option<OutcomeId> {
         let outcome = self.outcome.load(Ordering::Relaxed);
         (outcome != NEVER_LEFT).then_some(OutcomeId(outcome))
     }
 
-    /// The sibling that ran before the state was entered last.
+    /// The sibling that ran before the last entry of the state.
     pub fn previous(&self) -> Option<PathId> {
         let previous = self.previous.load(Ordering::Relaxed);
         (previous != NOWHERE).then_some(PathId(previous))
     }
 
-    /// The child that was left last in the run of its state, if the next has not begun.
+    /// The child that ended last in the current run of the state, if the next has not begun.
     pub fn left_last(&self) -> Option<PathId> {
         let last = self.last_left.load(Ordering::Relaxed);
         (last != NOWHERE).then_some(PathId(last))
     }
 
-    /// When its state was entered last, in ns since the start.
+    /// Time of the state's last entry, in ns since the start.
     pub fn entered_ns(&self) -> u64 {
         self.entered_ns.load(Ordering::Relaxed)
     }
 
-    /// When its state was entered last, in ms since the start.
+    /// Time of the state's last entry, in ms since the start.
     pub(crate) fn entered_ms(&self) -> u64 {
         self.entered_ns.load(Ordering::Relaxed) / 1_000_000
     }
 
-    /// Its state is entered; `around` is the place around it. Only the holder of the engine writes.
+    /// Notes the entry of its state; `around` is the place around it. Only the holder of the engine writes.
     pub(crate) fn enter(&self, now_ns: u64, around: Option<&Self>) {
         self.entered_ns.store(now_ns, Ordering::Relaxed);
         self.active.store(true, Ordering::Relaxed);
@@ -118,12 +118,12 @@ impl Place {
         self.signals.begin(false);
     }
 
-    /// Its state is not active any more, and has no outcome.
+    /// Notes that its state is no longer active, without an outcome.
     pub(crate) fn drop_entry(&self) {
         self.active.store(false, Ordering::Relaxed);
     }
 
-    /// Its state is left.
+    /// Notes the end of its state.
     pub(crate) fn leave(&self, outcome: OutcomeId, around: Option<&Self>) {
         self.drop_entry();
         self.outcome.store(outcome.0, Ordering::Relaxed);
@@ -133,29 +133,29 @@ impl Place {
     }
 }
 
-/// How many places lie in the first block of [`Places`]; each further block is as large as all before it.
+/// Number of places in the first block of [`Places`]. Each further block is as large as all before it.
 const FIRST_BLOCK: usize = 1024;
-/// Enough blocks for every number that a place can have.
+/// Number of blocks, enough for every number that a place can have.
 const BLOCKS: usize = 23;
 
 /// One block of places.
 type PlaceBlock = Box<[OnceLock<Arc<Place>>]>;
 
-/// All places met so far, by number. Written by the holder of the engine, read by all. A place is never replaced and never moves,
-/// so that readers take no lock: neither a writer nor a fork can hold them up.
+/// All places reached until now, by number. Written by the holder of the engine, read by all. A place is never replaced
+/// and never moves, so that readers need no lock: neither a writer nor a fork can delay them.
 #[derive(Debug, Default)]
 pub struct Places {
     blocks: [OnceLock<PlaceBlock>; BLOCKS],
 }
 
 impl Places {
-    /// The place with this number, if the run has met it. Never waits.
+    /// The place with this number, if the run has reached it. Never waits.
     pub fn get(&self, path: PathId) -> Option<&Arc<Place>> {
         let (block, offset, _) = position(path);
         self.blocks.get(block)?.get()?.get(offset)?.get()
     }
 
-    /// Adds a place. The first with its number stays.
+    /// Adds a place, unless its number already has one.
     pub(crate) fn insert(&self, place: Arc<Place>) {
         let (block, offset, length) = position(place.path);
         let Some(block) = self.blocks.get(block) else { return };
@@ -166,7 +166,7 @@ impl Places {
     }
 }
 
-/// In which block a place lies, where in it, and how many places the block has.
+/// The block of a place, its index in the block, and the length of the block.
 fn position(path: PathId) -> (usize, usize, usize) {
     let index = path.index();
     match (index / FIRST_BLOCK).checked_ilog2() {

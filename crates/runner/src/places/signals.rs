@@ -1,4 +1,4 @@
-//! What a running script is asked to do, and how it waits for it. Knows flags; knows nothing of states.
+//! Requests for a running script, and waiting for them. This module knows flags, but no states.
 
 use crate::Clock;
 use rafcon_locks::{Condvar, Mutex};
@@ -11,10 +11,10 @@ pub const PREEMPTED: u8 = 1;
 pub const PAUSED: u8 = 2;
 /// The run continues after a pause.
 pub const STARTED: u8 = 4;
-/// Someone has something for whoever waits; what it is, they know.
+/// Another thread has something for a waiting script. Both know its meaning.
 pub const NUDGED: u8 = 8;
 
-/// The flags of a place in the machine. A wait uses no processor time.
+/// The flags of a place. Waiting needs no processor time.
 #[derive(Debug, Default)]
 pub struct Signals {
     flags: AtomicU8,
@@ -23,12 +23,12 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// Whether any flag of `mask` is set.
+    /// True if any flag of `mask` is set.
     pub fn any(&self, mask: u8) -> bool {
         self.flags.load(Ordering::Acquire) & mask != 0
     }
 
-    /// Sets (`on`) or clears every flag of `mask`, and wakes whoever waits.
+    /// Sets (`on`) or clears every flag of `mask`, and wakes all waiting threads.
     pub fn set(&self, mask: u8, on: bool) {
         if on {
             self.update(|flags| flags | mask);
@@ -37,7 +37,7 @@ impl Signals {
         }
     }
 
-    /// The flags of a script that begins: asked to end or not; pause and start stay as the run has them.
+    /// Sets the flags of a script that begins: asked to end or not. Pause and start keep the values of the run.
     pub(crate) fn begin(&self, preempted: bool) {
         if self.any(PREEMPTED) != preempted {
             self.set(PREEMPTED, preempted);

@@ -1,5 +1,5 @@
-//! What is due when: deadlines of states, and the ends of grace periods. Knows times and entries, but not what
-//! becomes of them.
+//! Timers for deadlines of states and the ends of grace periods. This module knows times and entries, but not the
+//! consequences.
 
 use crate::places::limits::Limits;
 use crate::{Clock, Place};
@@ -10,40 +10,40 @@ use std::collections::{BTreeMap, BinaryHeap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What rings.
+/// An expired timer of the run.
 #[derive(Debug)]
 pub(crate) enum Alarm {
-    /// Something of a state.
+    /// The timer of a state.
     Due(Due),
-    /// The ground may be silent for as long as something names.
+    /// The ground may have been silent for a named time.
     Silence,
 }
 
-/// What has come to its time.
+/// An expired timer of a state.
 #[derive(Debug, Clone)]
 pub(crate) struct Due {
     pub(crate) what: TimerAction,
     pub(crate) place: Arc<Place>,
-    /// Which run of the state is meant.
+    /// The run of the state to which the timer applies.
     pub(crate) run: u32,
-    /// How long it was.
+    /// Duration of the timer.
     pub(crate) ms: u64,
 }
 
-/// What can come to its time.
+/// The kinds of timers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum TimerAction {
-    /// A state's deadline.
+    /// The deadline of a state.
     Deadline,
-    /// The time that a script has to end.
+    /// The grace period of a script.
     Grace,
 }
 
-/// The alarms of a run, rung by one thread.
+/// The timers of a run, served by one thread.
 #[derive(Debug, Default)]
 pub(crate) struct Timers {
     limits: RwLock<Limits>,
-    /// Whether any state has limits: most machines have none.
+    /// True if any state has limits; most machines have none.
     any: AtomicBool,
     queue: Mutex<Queue>,
     changed: Condvar,
@@ -51,35 +51,36 @@ pub(crate) struct Timers {
 
 #[derive(Debug, Default)]
 struct Queue {
-    /// An entry no later than each alarm; it may be early, as the alarm may have been set anew since.
+    /// For each alarm, an entry at its time or earlier. It may be early, because the alarm may have been set again
+    /// since.
     times: BinaryHeap<Reverse<(u64, PathId, TimerAction)>>,
     alarms: BTreeMap<(PathId, TimerAction), (u64, Due)>,
-    /// When someone looks how long the ground is silent.
+    /// Time of the next check of the ground's silence.
     silence_at_ns: Option<u64>,
     closed: bool,
 }
 
 impl Timers {
-    /// Goes by the limits of this program from now on.
+    /// Switches to the limits of this program.
     pub(crate) fn adopt<D>(&self, program: &Program<D>) {
         let limits = Limits::of(program);
         self.any.store(!limits.is_empty(), Ordering::Relaxed);
         *self.limits.write() = limits;
     }
 
-    /// Whether any state has limits.
+    /// True if any state has limits.
     pub(crate) fn any(&self) -> bool {
         self.any.load(Ordering::Relaxed)
     }
 
-    /// A state was entered.
+    /// Starts the deadline of a state at its entry.
     pub(crate) fn entered(&self, place: &Arc<Place>, node: NodeId, now_ns: u64) {
         if let Some(ms) = self.limits.read().deadline_ms(node) {
             self.set(TimerAction::Deadline, place, ms, now_ns);
         }
     }
 
-    /// A script was asked to end.
+    /// Starts the grace period of a script that is asked to end.
     pub(crate) fn asked_to_end(&self, place: &Arc<Place>, now_ns: u64) {
         if !self.any() {
             return;
@@ -100,18 +101,18 @@ impl Timers {
         }
     }
 
-    /// The times of silence that policies name: [`Limits::silences`].
+    /// Times of silence that policies name: [`Limits::silences`].
     pub(crate) fn silences(&self) -> [Vec<u64>; 2] {
         self.limits.read().silences().clone()
     }
 
-    /// Someone looks at this time how long the ground is silent; `None`: no one does.
+    /// Schedules the next check of the ground's silence; `None` cancels it.
     pub(crate) fn look_at_silence(&self, at_ns: Option<u64>) {
         self.queue.lock().silence_at_ns = at_ns;
         self.changed.notify_all();
     }
 
-    /// Waits for the next thing to come to its time; `None` when nothing more will.
+    /// Waits for the next expired timer; `None` after [`Self::close`].
     pub(crate) fn next(&self, clock: Clock) -> Option<Alarm> {
         let mut queue = self.queue.lock();
         loop {
@@ -132,7 +133,7 @@ impl Timers {
         }
     }
 
-    /// Nothing more comes to its time.
+    /// Cancels all timers of the run.
     pub(crate) fn close(&self) {
         self.queue.lock().closed = true;
         self.changed.notify_all();
@@ -145,7 +146,7 @@ impl Queue {
         [first, self.silence_at_ns].into_iter().flatten().min()
     }
 
-    /// Takes out what is due and still there.
+    /// Removes and returns an expired timer that still applies.
     fn ring(&mut self, now_ns: u64) -> Option<Due> {
         while let Some(&Reverse((at_ns, path, what))) = self.times.peek() {
             if at_ns > now_ns {
@@ -165,7 +166,7 @@ impl Queue {
 }
 
 impl Due {
-    /// Whether the very run of the state that is meant is active.
+    /// True if the run of the state to which the timer applies is active.
     pub(crate) fn is_active(&self) -> bool {
         self.place.is_active() && self.place.runs() == self.run
     }
@@ -188,7 +189,7 @@ mod tests {
         Arc::new(place)
     }
 
-    /// What rings until `now_ms`.
+    /// Timers that expire until `now_ms`.
     fn check(queue: &mut Queue, now_ms: u64, expect: &Expect) {
         let mut rung = Vec::new();
         while let Some(due) = queue.ring(now_ms * MS) {
