@@ -1,4 +1,4 @@
-//! Whole runs on real threads, with scripts of plain Rust: what a state does is said by the first word of its name.
+//! Whole runs on real threads, with scripts in plain Rust. The first word of a state's name selects its script.
 
 mod bounds;
 mod changes;

@@ -1,46 +1,46 @@
-//! What happened lately, in memory: the stream of events in blocks, the oldest given up for the newest. Knows bytes and numbers;
-//! knows nothing of who reads.
+//! The recent events in memory: a stream in blocks, whose oldest block is dropped for the newest. This module knows
+//! bytes and numbers, but no readers.
 
 use rafcon_storage::journal::stream::{EventBlock, StreamItem};
 use rafcon_storage::journal::{Reader, Record};
 use std::collections::VecDeque;
 use std::path::Path;
 
-/// A block is full with so many bytes.
+/// Size in bytes at which a block is full.
 const BLOCK_BYTES: usize = 64 << 10;
-/// From one entry point of a block to the next, in bytes: what a reader walks in vain at most.
+/// Distance between the entry points of a block, in bytes. A reader skips at most this many bytes.
 const MARK_EVERY: usize = 4 << 10;
 
-/// Where an event begins.
+/// The beginning of an event in a block.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Mark {
-    /// Its number.
+    /// Number of the event.
     pub(crate) sequence: u64,
     /// The time of the event before it.
     pub(crate) before_ns: u64,
-    /// Its first byte.
+    /// Index of its first byte.
     pub(crate) start: usize,
 }
 
-/// Items that lie one after the other.
+/// Consecutive items in a block.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
     pub(crate) mark: Mark,
-    /// The byte after the last one.
+    /// Index after the last byte.
     pub(crate) end: usize,
 }
 
-/// Events that happened at once, with the definitions that they need.
+/// Events of one moment, with the definitions that they need.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Encoded<'b> {
     pub(crate) bytes: &'b [u8],
-    /// How many events there are.
+    /// Number of events in `bytes`.
     pub(crate) count: u64,
     /// The time of the event before them.
     pub(crate) before_ns: u64,
-    /// The time of the last of them.
+    /// The time of their last event.
     pub(crate) last_ns: u64,
-    /// What every viewer is sent: numbers count from 0.
+    /// The rare items, which every viewer receives. Their numbers count from 0.
     pub(crate) rare: &'b [Piece],
 }
 
@@ -59,12 +59,12 @@ struct RecordBlock {
     bytes: Vec<u8>,
     marks: Vec<Mark>,
     rare: Vec<Piece>,
-    /// Where the next event will begin.
+    /// Beginning of the next event.
     end: Mark,
 }
 
 impl Blocks {
-    /// Nothing yet; the next event has the number `next`, and about `limit` bytes are kept.
+    /// An empty list. The next event has the number `next`, and about `limit` bytes are kept.
     pub(crate) fn new(next: u64, limit: usize) -> Self {
         Self { list: VecDeque::new(), bytes: 0, limit, next }
     }
@@ -74,12 +74,12 @@ impl Blocks {
         self.next
     }
 
-    /// The number of the oldest event that is still there.
+    /// The number of the oldest event in the list.
     pub(crate) fn first(&self) -> u64 {
         self.list.front().map_or(self.next, RecordBlock::first)
     }
 
-    /// Adds events.
+    /// Adds events to the newest block.
     pub(crate) fn push(&mut self, new: Encoded<'_>) {
         if self.list.back().is_none_or(|block| block.bytes.len() >= BLOCK_BYTES) {
             let room = self.room();
@@ -91,7 +91,7 @@ impl Blocks {
         self.next += new.count;
     }
 
-    /// An empty block: the oldest one, if there are enough.
+    /// An empty block. The oldest one is reused once the limit is reached.
     fn room(&mut self) -> RecordBlock {
         let mut room = RecordBlock::default();
         while self.bytes >= self.limit {
@@ -103,8 +103,8 @@ impl Blocks {
         room
     }
 
-    /// Copies events with numbers from `from` to before `end` to `into`: those of one block, or the rare ones of it. Gives the
-    /// number to continue with.
+    /// Copies events with numbers from `from` to before `end` to `into`: those of one block, or only its rare ones.
+    /// Returns the number to continue with.
     pub(crate) fn read(&self, from: u64, end: u64, rare: bool, into: &mut Chunk) -> u64 {
         into.clear();
         let after = self.list.partition_point(|block| block.first() <= from);
@@ -168,14 +168,14 @@ impl Piece {
     }
 }
 
-/// Events copied out for a reader; it is used again and again.
+/// Events copied for a reader. The buffers are reused.
 #[derive(Debug, Default)]
 pub(crate) struct Chunk {
     bytes: Vec<u8>,
     pieces: Vec<Piece>,
-    /// The last piece is more than is wanted: where the walk to its end begins, and the first event that is too many.
+    /// Set if the last piece is too long: the entry point before its end, and the first event to cut off.
     tail: Option<(Mark, u64)>,
-    /// Where the reader continues, in the block that begins with this event.
+    /// The reader's position, and the first event of its block.
     place: Option<(u64, Mark)>,
 }
 
@@ -193,7 +193,7 @@ impl Chunk {
         self.pieces.push(Piece { mark, end: self.bytes.len() });
     }
 
-    /// Takes the events of a block from number `from` to before `end`.
+    /// Copies the events of a block from number `from` to before `end`.
     fn take(&mut self, block: &RecordBlock, from: u64, end: u64) {
         let here = block.first();
         let mark = match self.place.take() {
@@ -211,7 +211,7 @@ impl Chunk {
         self.place = Some((here, Mark { start: mark.start, ..Mark::default() }));
     }
 
-    /// Cuts off what is too much. Not part of reading: that holds up who writes.
+    /// Cuts off the surplus of the last piece. This is not part of reading, which blocks the writer.
     pub(crate) fn trim(&mut self) {
         let Some((near, end)) = self.tail.take() else { return };
         let block = EventBlock {
@@ -247,17 +247,17 @@ impl Chunk {
     }
 }
 
-/// Events read at once.
+/// Number of events read at once.
 const PAGE: usize = 4096;
 
-/// A journal that is opened when it is needed.
+/// A journal that is opened on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Archive {
     reader: Option<Reader>,
 }
 
 impl Archive {
-    /// Some events with numbers from `from` to before `end`. None if they cannot be had.
+    /// A page of events with numbers from `from` to before `end`; `None` if they are unavailable.
     pub(crate) fn page(
         &mut self,
         folder: Option<&Path>,
@@ -287,7 +287,7 @@ mod tests {
     use rafcon_storage::journal::stream::StreamItem;
     use rafcon_storage::journal::{Item, PlaceNumber, Record};
 
-    /// A long line that every viewer is told.
+    /// A long line, which every viewer receives.
     fn line(number: u64) -> Record {
         let message = format!("{number:>8000}");
         Record::Log {
@@ -298,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Pushes so many lines with an entry before each.
+    /// Pushes this many lines, with an entry before each.
     fn blocks(lines: u64) -> Blocks {
         let mut blocks = Blocks::new(1, 200_000);
         let mut before = 0;
@@ -316,7 +316,7 @@ mod tests {
         blocks
     }
 
-    /// Numbers and times of the events in a chunk from number `from` on: an entry point may lie before it.
+    /// Numbers and times of a chunk's events from number `from` on. An entry point may be before it.
     fn events(chunk: &Chunk, from: u64) -> Vec<(u64, u64)> {
         let items = chunk.blocks().flat_map(|block| block.items().collect::<Vec<_>>());
         let events = items.filter_map(|item| match item.unwrap() {
@@ -360,8 +360,8 @@ mod tests {
     }
 
     proptest! {
-        /// However much becomes readable at a time, a reader that continues where it was gets each event once, and nothing before
-        /// what it asked for.
+        /// However much becomes readable at a time, a reader that continues at its position receives each event once,
+        /// and no event before the requested one.
         #[test]
         fn a_reader_that_goes_on_gets_each_event_once(steps in prop::collection::vec(0..30_u64, 1..40)) {
             let blocks = blocks(20);

@@ -1,4 +1,4 @@
-//! What the numbers of places stand for, at each moment of the run. Written by whoever records, read by all.
+//! The definitions of place numbers at each moment of the run. Written by the recorder, read by all.
 
 use rafcon_engine::{Datum, Engine, Node, NodeId, PathId};
 use rafcon_locks::RwLock;
@@ -16,17 +16,17 @@ pub(crate) struct Names {
 }
 
 impl Names {
-    /// From record `from` on, the number stands for `place`.
+    /// Defines the number of `place` from record `from` on.
     pub(crate) fn define(&self, from: u64, number: PlaceNumber, place: Arc<Place>) {
         self.places.write().define(from, number, place);
     }
 
-    /// What the number stands for now, if it was recorded.
+    /// The current definition of the number, if it was recorded.
     pub(crate) fn latest(&self, number: PlaceNumber) -> Option<Arc<Place>> {
         self.places.read().at(number, u64::MAX).cloned()
     }
 
-    /// All definitions so far, as blocks of a stream: for who has not seen what was sent before.
+    /// Writes all definitions as blocks of a stream, for a reader without the earlier ones.
     pub(crate) fn write(&self, out: &mut Vec<u8>) {
         let mut items = Vec::new();
         for (number, from, place) in self.places.read().all() {
@@ -36,7 +36,7 @@ impl Names {
         }
     }
 
-    /// Numbers for further places, after those that have one.
+    /// Numbers for further places, after the assigned ones.
     pub(crate) fn numbering(&self) -> Numbering {
         let places = self.places.read();
         let latest = places.latest();
@@ -46,7 +46,7 @@ impl Names {
     }
 }
 
-/// Which number a place gets: the one that it has in the journal already, or the next.
+/// Assigns numbers to places: the number that a place has in the journal, or the next free one.
 #[derive(Debug, Default)]
 pub(crate) struct Numbering {
     kept: BTreeMap<String, PlaceNumber>,
@@ -54,7 +54,7 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    /// The number of the place with these ids, which asks once.
+    /// The number of the place with this path. Each place asks once.
     pub(crate) fn number(&mut self, path: &str) -> PlaceNumber {
         self.kept.remove(path).unwrap_or_else(|| {
             let number = PlaceNumber(self.next);
@@ -64,7 +64,7 @@ impl Numbering {
     }
 }
 
-/// The place at `path` as a journal defines it.
+/// The journal's definition of the place at `path`.
 pub(crate) fn definition<D: Datum>(engine: &Engine<D>, path: PathId, node: NodeId) -> Place {
     let node = engine.program().node(node);
     let container = node.state().container();
@@ -92,7 +92,7 @@ fn ports<'p>(ports: impl Iterator<Item = &'p Port>) -> Vec<(u64, SmolStr)> {
     ports.map(|port| (port_number(port.id), port.name.clone())).collect()
 }
 
-/// The id of a port as a journal writes it.
+/// The id of a port in the journal's form.
 pub(crate) fn port_number(port: PortId) -> u64 {
     port.0.cast_unsigned()
 }

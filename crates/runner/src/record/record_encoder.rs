@@ -1,5 +1,5 @@
-//! Writes events down as they are kept: values by number, each defined once. Knows the encoding, but not where the bytes
-//! go.
+//! Encodes events for the record: values by number, each defined once. This module knows the encoding, but not where
+//! the bytes are stored.
 
 use crate::record::blocks::{Encoded, Mark, Piece};
 use crate::record::keep::{Keep, KeptValue};
@@ -7,22 +7,22 @@ use rafcon_storage::journal::stream::{NO_CONTENT, VALUE_LIFE};
 use rafcon_storage::journal::{Batch, Kept, Left, Place, PlaceNumber, Record, ValueNumber};
 use std::num::NonZeroU64;
 
-/// What is being written. It is used again and again, and allocates nothing once it has its size.
+/// The batch under construction. It is reused, and allocates nothing once it has reached its size.
 #[derive(Debug)]
 pub(crate) struct RecordEncoder {
     batch: Batch,
-    /// The same as a stream for viewers: definitions before the records that need them, values without content.
+    /// The batch as a stream for viewers: definitions before the records that need them, values without content.
     stream: Vec<u8>,
     /// The number of the batch's first record.
     first: u64,
     rare: Vec<Piece>,
-    /// The values of one record.
+    /// The values of the next record.
     values: Vec<Kept>,
-    /// How many values have numbers.
+    /// Number of values that have numbers.
     numbered: u64,
 }
 
-/// How a state ended, but for its values.
+/// The end of a state, without its values.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StateEnd {
     pub(crate) place: PlaceNumber,
@@ -31,7 +31,7 @@ pub(crate) struct StateEnd {
 }
 
 impl RecordEncoder {
-    /// Goes on after record `last` at `t_ns`, with `numbered` values that have numbers.
+    /// An encoder that continues after record `last` at `t_ns`, with `numbered` numbered values.
     pub(crate) fn after(last: u64, t_ns: u64, numbered: u64) -> Self {
         Self {
             batch: Batch::new(t_ns),
@@ -48,12 +48,12 @@ impl RecordEncoder {
         self.first + u64::from(self.batch.count())
     }
 
-    /// What was written since the last [`RecordEncoder::clear`], for a journal.
+    /// The batch since the last [`RecordEncoder::clear`], for a journal.
     pub(crate) fn batch(&self) -> &Batch {
         &self.batch
     }
 
-    /// The same for the memory.
+    /// The batch since the last [`RecordEncoder::clear`], for the memory.
     pub(crate) fn encoded(&self) -> Encoded<'_> {
         Encoded {
             bytes: &self.stream,
@@ -64,7 +64,7 @@ impl RecordEncoder {
         }
     }
 
-    /// What was written is where it belongs.
+    /// Clears the batch after it was stored.
     pub(crate) fn clear(&mut self) {
         self.first = self.next();
         self.batch.clear();
@@ -72,20 +72,21 @@ impl RecordEncoder {
         self.rare.clear();
     }
 
-    /// The place stands for this from the next record on. Every viewer is told: a rare record may name it.
+    /// Defines a place from the next record on. Every viewer receives the definition, because a rare record may name
+    /// it.
     pub(crate) fn define(&mut self, number: PlaceNumber, place: &Place) {
         let mark = self.mark();
         self.stream.extend_from_slice(self.batch.define_place(number, place));
         self.rare.push(Piece { mark, end: self.stream.len() });
     }
 
-    /// Names a value; it is one of the next record's.
+    /// Adds a value to the next record.
     pub(crate) fn value(&mut self, value: &Keep<'_>) {
         let kept = self.kept(value);
         self.values.push(kept);
     }
 
-    /// The value as a record names it, defined if this is the first time.
+    /// The record's form of a value. The value is defined on first use.
     pub(crate) fn kept(&mut self, value: &Keep<'_>) -> Kept {
         match value {
             Keep::Plain(kept) => kept.clone(),
@@ -105,19 +106,19 @@ impl RecordEncoder {
         })
     }
 
-    /// A value that is not there; it is one of the next record's.
+    /// Adds an absent value to the next record.
     pub(crate) fn absent(&mut self) {
         self.values.push(Kept::Absent);
     }
 
-    /// A state began with the values named before.
+    /// Writes the entry of a state, with the values added before.
     pub(crate) fn entered(&mut self, t_ns: u64, place: PlaceNumber, undoes: Option<NonZeroU64>) {
         let start = self.batch.records().len();
         self.batch.entered(t_ns, place, self.values.drain(..), undoes);
         self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
-    /// A state ended with the values named before.
+    /// Writes the end of a state, with the values added before.
     pub(crate) fn left(&mut self, t_ns: u64, end: StateEnd, error: Option<&Kept>) {
         let StateEnd { place, outcome, undoes } = end;
         let start = self.batch.records().len();
@@ -126,14 +127,14 @@ impl RecordEncoder {
         self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
-    /// A scoped variable got a value.
+    /// Writes a new value of a scoped variable.
     pub(crate) fn scoped(&mut self, t_ns: u64, place: PlaceNumber, port: u64, value: &Kept) {
         let start = self.batch.records().len();
         self.batch.scoped(t_ns, place, port, value);
         self.stream.extend_from_slice(&self.batch.records()[start..]);
     }
 
-    /// Anything else.
+    /// Writes any other record.
     pub(crate) fn note(&mut self, t_ns: u64, record: &Record) {
         let mark = self.mark();
         let start = self.batch.records().len();
@@ -144,7 +145,7 @@ impl RecordEncoder {
         }
     }
 
-    /// Where the next item of the stream begins.
+    /// The beginning of the next item in the stream.
     fn mark(&self) -> Mark {
         Mark {
             sequence: u64::from(self.batch.count()),
@@ -154,7 +155,7 @@ impl RecordEncoder {
     }
 }
 
-/// Whether it is told to viewers that want snapshots instead of every step.
+/// True if the record is also sent to viewers that request snapshots instead of every step.
 pub(crate) fn is_rare(record: &Record) -> bool {
     match record {
         Record::Log { .. } | Record::Told(_) | Record::WentBack { .. } => true,

@@ -1,5 +1,5 @@
-//! What happened in a run, numbered, for any number of readers. Knows what is written and what may be told, but not who
-//! reads, and never waits for a reader.
+//! The numbered record of a run, for any number of readers. The recorder knows what is written and what is safe to
+//! send, but not who reads. It never waits for a reader.
 
 use crate::record::blocks::{Blocks, Chunk};
 use crate::record::names::Names;
@@ -14,28 +14,28 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Encoded records in memory at most, in bytes, if they are nowhere else.
+/// Limit in bytes of the encoded records in memory, for a run without a journal.
 const MEMORY_BYTES: usize = 64 << 20;
-/// The same with a journal, in which readers find what is older. Tests have little, to see how that is.
+/// Limit in bytes with a journal, in which readers find older records. Tests use little memory, to reach the journal.
 const MEMORY_BYTES_WITH_JOURNAL: usize = if cfg!(test) { 1 << 20 } else { 16 << 20 };
 
-/// What a reader gets.
+/// The result of a read.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Read {
     /// The number to continue with.
     pub(crate) next: u64,
-    /// How many records before that are not in memory any more.
+    /// Number of skipped records that are no longer in memory.
     pub(crate) missed: u64,
-    /// Whether nothing more will ever come.
+    /// True if no further record will follow.
     pub(crate) closed: bool,
 }
 
-/// The record of a run.
+/// The record of a run, in memory and in its journal.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     names: Names,
     keeping: Keeping,
-    /// Where the journal lies, if there is one.
+    /// The folder of the journal, if the run has one.
     folder: Option<PathBuf>,
     safety: Safety,
     ink: Mutex<RecorderInner>,
@@ -43,19 +43,19 @@ pub(crate) struct Recorder {
     grown: Condvar,
 }
 
-/// What one writer has at a time.
+/// State of the record that one writer locks at a time.
 #[derive(Debug)]
 struct RecorderInner {
     writer: RecordEncoder,
-    /// None if the run is not kept, or not any more.
+    /// `None` if the run keeps no journal, or has closed it.
     journal: Option<Arc<Journal>>,
 }
 
-/// What readers see.
+/// State of the record that readers see.
 #[derive(Debug)]
 struct Ring {
     blocks: Blocks,
-    /// The number before which everything is safe; without a journal, everything is.
+    /// The number before which all records are safe. Without a journal, all records count as safe.
     safe: u64,
     sleepers: usize,
     closed: bool,
@@ -66,7 +66,7 @@ impl Ring {
         Self { blocks: Blocks::new(next, limit), safe, sleepers: 0, closed: false }
     }
 
-    /// The number before which everything may be told.
+    /// The number before which all records may be sent.
     fn tellable(&self) -> u64 {
         self.blocks.next().min(self.safe)
     }
@@ -92,7 +92,7 @@ impl Recorder {
         }
     }
 
-    /// A record with a journal behind it, which may be that of a run resumed.
+    /// A record with a journal, which may be that of a resumed run.
     pub(crate) fn with_journal(
         journal: Journal,
         resume_point: Option<&ResumePoint>,
@@ -118,42 +118,42 @@ impl Recorder {
         }
     }
 
-    /// What the numbers of places stand for.
+    /// Definitions of the place numbers.
     pub(crate) fn names(&self) -> &Names {
         &self.names
     }
 
-    /// How much is kept.
+    /// Level of keeping for the run.
     pub(crate) fn keeping(&self) -> Keeping {
         self.keeping
     }
 
-    /// What is safe from a power cut.
+    /// Progress of the records that are safe from a power cut.
     pub(crate) fn safety(&self) -> &Safety {
         &self.safety
     }
 
-    /// Whether there is a journal behind the record, closed or not.
+    /// True if the record has a journal, open or closed.
     pub(crate) fn has_journal(&self) -> bool {
         self.folder.is_some()
     }
 
-    /// The folder of the run, if there is a journal in it.
+    /// The folder of the run, if it contains a journal.
     pub(crate) fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
 
-    /// The journal behind the record, until it is closed.
+    /// The journal of the record, until it is closed.
     pub(crate) fn journal(&self) -> Option<Arc<Journal>> {
         self.ink.lock().journal.clone()
     }
 
-    /// Begins to write things that happen at once; they are there when the answer is dropped.
+    /// Begins a group of records of one moment. They are added when the writer is dropped.
     pub(crate) fn write(&self) -> RecordWriter<'_> {
         RecordWriter { recorder: self, ink: self.ink.lock() }
     }
 
-    /// Adds records that happened at the same time.
+    /// Adds records of one moment.
     pub(crate) fn push(&self, t_ns: u64, records: impl IntoIterator<Item = Record>) {
         let mut writer = self.write();
         records.into_iter().for_each(|record| writer.note(t_ns, &record));
@@ -165,7 +165,8 @@ impl Recorder {
         ink.writer.clear();
     }
 
-    /// Gives the journal what was written. It waits for room if it must; the committer needs nothing that the writer holds.
+    /// Appends the batch to the journal. It waits for room if necessary; the committer needs nothing that the writer
+    /// holds.
     fn keep(&self, ink: &mut RecorderInner) {
         let Some(journal) = &ink.journal else { return };
         let batch = ink.writer.batch();
@@ -192,12 +193,12 @@ impl Recorder {
         }
     }
 
-    /// Records up to `last` are safe from a power cut.
+    /// Notes that records up to `last` are safe from a power cut.
     pub(crate) fn safe_until(&self, last: u64) {
         self.change(|ring| ring.safe = last + 1);
     }
 
-    /// Nothing more will come. With a journal, its committer says so when it is done.
+    /// Closes the record. With a journal, waits for its committer to finish.
     pub(crate) fn close(&self) {
         self.safety.close();
         if self.has_journal() {
@@ -207,18 +208,19 @@ impl Recorder {
         }
     }
 
-    /// The same without a committer: perhaps there is none. What was written is in the journal's own recorder.
+    /// Closes the record without waiting for a committer, which may not exist. Written records are in the journal's own
+    /// recorder.
     pub(crate) fn abandon(&self) {
         self.safety.close();
         self.closed();
     }
 
-    /// Nothing more goes into the journal.
+    /// Ends writing to the journal.
     pub(crate) fn leave_journal(&self) {
         self.ink.lock().journal = None;
     }
 
-    /// Nothing more will come, and all may be told.
+    /// Marks the record as closed; all its records may be sent.
     pub(crate) fn closed(&self) {
         self.safety.closed();
         let mut ring = self.ring.lock();
@@ -226,7 +228,7 @@ impl Recorder {
         self.grown.notify_all();
     }
 
-    /// Wakes those who wait, if there is more.
+    /// Applies a change, and wakes waiting threads if records were added.
     fn change(&self, change: impl FnOnce(&mut Ring)) {
         let mut ring = self.ring.lock();
         let before = (ring.tellable(), ring.blocks.next());
@@ -236,7 +238,7 @@ impl Recorder {
         }
     }
 
-    /// The number before which everything may be told.
+    /// The number before which all records may be sent.
     pub(crate) fn tellable(&self) -> u64 {
         self.ring.lock().tellable()
     }
@@ -246,10 +248,10 @@ impl Recorder {
         self.ring.lock().blocks.next() - 1
     }
 
-    /// Copies records from number `from` on to `into`, as many as lie together; only `rare` ones if so wanted.
+    /// Copies consecutive records from number `from` on to `into`, or only the rare ones.
     pub(crate) fn read(&self, from: u64, rare: bool, into: &mut Chunk) -> Read {
         let ring = self.ring.lock();
-        // What is not safe yet is not missed, even if memory gave it up already: the journal will have it.
+        // A record that is not safe yet is not missed, even if memory has dropped it: the journal will contain it.
         let begin = from.max(ring.blocks.first().min(ring.tellable()));
         let end = ring.tellable().max(begin);
         let next = ring.blocks.read(begin, end, rare, into).max(begin);
@@ -259,8 +261,8 @@ impl Recorder {
         Read { next, missed: begin - from, closed }
     }
 
-    /// Copies records from number `next` on to `into`, also those that are not safe yet, and puts `next` behind them; false if
-    /// there are none.
+    /// Copies records from number `next` on to `into`, including those that are not safe yet, and advances `next`.
+    /// False if no record follows.
     pub(crate) fn recent(&self, next: &mut u64, into: &mut Chunk) -> bool {
         let blocks = &self.ring.lock().blocks;
         let begin = (*next).max(blocks.first());
@@ -268,8 +270,8 @@ impl Recorder {
         *next > begin
     }
 
-    /// Waits until a record with number `from` may be told, there is one after number `last`, nothing more will come, or
-    /// `deadline` has passed.
+    /// Waits until the record with number `from` may be sent, a record after number `last` exists, the record is
+    /// closed, or `deadline` has passed.
     pub(crate) fn wait(&self, from: u64, last: u64, deadline: Option<Instant>) {
         let mut ring = self.ring.lock();
         ring.sleepers += 1;
@@ -281,13 +283,13 @@ impl Recorder {
         ring.sleepers -= 1;
     }
 
-    /// Waits until nothing more will come or `deadline` has passed; records do not wake it.
+    /// Waits until the record is closed or `deadline` has passed. New records do not wake it.
     pub(crate) fn wait_closed(&self, deadline: Option<Instant>) {
         let mut ring = self.ring.lock();
         while !ring.closed && self.sleep(&mut ring, deadline) {}
     }
 
-    /// False once the deadline has passed.
+    /// Waits for a change; false once the deadline has passed.
     fn sleep(&self, ring: &mut MutexGuard<'_, Ring>, deadline: Option<Instant>) -> bool {
         if let Some(deadline) = deadline {
             return !self.grown.wait_until(ring, deadline).timed_out();
@@ -297,7 +299,7 @@ impl Recorder {
     }
 }
 
-/// A writer that no one else has.
+/// The exclusive writer of a group of records.
 #[derive(Debug)]
 pub(crate) struct RecordWriter<'r> {
     recorder: &'r Recorder,
@@ -305,22 +307,22 @@ pub(crate) struct RecordWriter<'r> {
 }
 
 impl RecordWriter<'_> {
-    /// Whether values are kept.
+    /// True if the run keeps values.
     pub(crate) fn keeps_values(&self) -> bool {
         self.recorder.keeping == Keeping::Full
     }
 
-    /// The run is asked to end: a disk that refuses must not keep it from that.
+    /// Notes that the run is asked to end, so that a failing disk does not prevent its end.
     pub(crate) fn run_ends(&self) {
         self.recorder.safety.end();
     }
 
-    /// What the numbers of places stand for.
+    /// Definitions of the place numbers.
     pub(crate) fn names(&self) -> &Names {
         &self.recorder.names
     }
 
-    /// The place stands for this from the next record on.
+    /// Defines a place from the next record on.
     pub(crate) fn define(&mut self, number: PlaceNumber, place: Arc<Place>) {
         self.ink.writer.define(number, &place);
         self.recorder.names.define(self.ink.writer.next(), number, place);

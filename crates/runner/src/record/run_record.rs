@@ -1,5 +1,5 @@
-//! The record of one run with the run's clock: what has just happened is noted down, until the run is over. Called on any thread,
-//! also by the holder of the engine: it takes the lock of the recorder, and nothing that a writer of the record waits for.
+//! The record of one run with the run's clock, until the run is over. Called on any thread, also by the holder of the
+//! engine: it takes the lock of the recorder, and no other lock for which a writer of the record waits.
 
 use crate::Clock;
 use crate::record::recorder::Recorder;
@@ -9,12 +9,12 @@ use rafcon_protocol::Event;
 use rafcon_storage::journal::Record;
 use std::sync::Arc;
 
-/// The record of one run.
+/// The record of one run with its clock.
 #[derive(Debug)]
 pub(crate) struct RunRecord {
     recorder: Arc<Recorder>,
     clock: Clock,
-    /// Whether the run's last event is noted down. Held while something is that may come later.
+    /// True once the run's last event is recorded. Locked while another record that may come later is written.
     is_over: Mutex<bool>,
 }
 
@@ -31,17 +31,17 @@ impl RunRecord {
         self.clock
     }
 
-    /// Notes down what has happened now, in one group.
+    /// Records what has happened now, in one group.
     pub(crate) fn note(&self, records: impl IntoIterator<Item = Record>) {
         self.recorder.push(self.clock.now_ns(), records);
     }
 
-    /// Notes an event down.
+    /// Records one event now.
     pub(crate) fn tell(&self, event: Event) {
         self.note([tell::told(event)]);
     }
 
-    /// Notes down what may come after the run's last event, and then is nothing any more.
+    /// Writes a record that may come after the run's last event, and then is dropped.
     pub(crate) fn note_until_over(&self, record: Record) {
         let is_over = self.is_over.lock();
         if !*is_over {
@@ -49,7 +49,7 @@ impl RunRecord {
         }
     }
 
-    /// Notes down the run's last event.
+    /// Records the run's last event.
     pub(crate) fn end(&self, last: Event) {
         let mut is_over = self.is_over.lock();
         *is_over = true;

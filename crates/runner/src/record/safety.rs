@@ -1,34 +1,35 @@
-//! What of the record is safe from a power cut, and who waits for it. Knows numbers; knows nothing of a disk.
+//! Tracks the records that are safe from a power cut, and the threads that wait for that. This module knows numbers,
+//! but no disk.
 
 use rafcon_locks::{Condvar, Mutex, MutexGuard};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
-/// How long a first event waits for others, so that they become safe together.
+/// Time that a first event waits for others, so that they are committed together.
 const GROUP: Duration = Duration::from_millis(3);
-/// How long after a failure it is tried again.
+/// Retry interval after a failure.
 const RETRY: Duration = Duration::from_secs(1);
-/// With more bytes than this on their way, branches wait: what is left is for events that nothing can hold up.
+/// Limit of the bytes that are not safe, beyond which branches wait. The room above it is for events that cannot wait.
 const BACKLOG_BYTES: usize = 2 << 20;
 
-/// The border between what is safe and what is not.
+/// The border between safe and unsafe records.
 #[derive(Debug, Default)]
 pub(crate) struct Safety {
     state: Mutex<State>,
-    /// For those who wait for safety or room.
+    /// Wakes threads that wait for safety or room.
     safer: Condvar,
-    /// For the committer.
+    /// Wakes the committer for new work.
     work: Condvar,
-    /// For those who care about problems.
+    /// Wakes the thread that handles problems.
     turned: Condvar,
-    /// The committer waits for work.
+    /// True while the committer waits for work.
     idle: AtomicBool,
     /// The last record that was written.
     written: AtomicU64,
-    /// Bytes that were written and are not safe.
+    /// Number of bytes that were written and are not safe.
     backlog: AtomicUsize,
-    /// Whether each script waits until everything before it is safe.
+    /// True if each script waits until everything before it is safe.
     strict: bool,
 }
 
@@ -36,32 +37,32 @@ pub(crate) struct Safety {
 struct State {
     /// The last record that is safe.
     safe: u64,
-    /// Why nothing becomes safe now.
+    /// Reason why commits fail now.
     problem: Option<Arc<str>>,
-    /// Why a large group cannot even be written now.
+    /// Reason why a large group cannot be written now.
     refused: Option<Arc<str>>,
-    /// How many wait for safety or room.
+    /// Number of threads that wait for safety or room.
     waiting: u32,
-    /// How often it was tried to make something safe.
+    /// Number of commits tried.
     tries: u64,
-    /// No one waits any more while there is a problem: the run is ending.
+    /// True if the run is ending, so that no thread waits while a problem exists.
     ending: bool,
-    /// Detail before this record was given up, and no one was told yet.
+    /// The record before which detail was dropped, until that is reported.
     thinned: Option<u64>,
     stage: Stage,
 }
 
-/// How far the record has come.
+/// The stages of the record's life.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Stage {
-    /// It grows.
+    /// Records are still added.
     #[default]
     Open,
-    /// The next try to make it safe is the last.
+    /// The next commit is the last.
     Closing,
-    /// There are no more tries.
+    /// No more commits follow.
     Over,
-    /// Nothing comes any more.
+    /// The record is closed.
     Closed,
 }
 
@@ -70,46 +71,46 @@ impl State {
         self.problem.as_ref().or(self.refused.as_ref())
     }
 
-    /// Whether no one waits any more.
+    /// True if no thread waits any more.
     fn gives_up(&self) -> bool {
         self.stage >= Stage::Over || self.ending && self.problem().is_some()
     }
 }
 
-/// What concerns the run.
+/// A change that concerns the run.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum RunAction {
-    /// Nothing becomes safe now, and why.
+    /// Commits fail now, for this reason.
     Fails(Arc<str>),
-    /// It does again.
+    /// Commits succeed again after failures.
     Works,
-    /// Detail before this record was given up.
+    /// Detail before this record was dropped.
     Thinned(u64),
 }
 
-/// What the committer is to do.
+/// The committer's next work.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum CommitterWork {
-    /// Make safe what was written.
+    /// Commit the written records.
     Commit,
-    /// The same for the last time.
+    /// Commit for the last time.
     Last,
 }
 
 impl Safety {
-    /// Everything up to record `last` is safe.
+    /// The state in which everything up to record `last` is safe.
     pub(crate) fn new(last: u64, strict: bool) -> Self {
         let state = State { safe: last, ..State::default() };
         Self { state: Mutex::new(state), written: AtomicU64::new(last), strict, ..Self::default() }
     }
 
-    /// The last record that is safe, and why nothing becomes safe now.
+    /// The last record that is safe, and the reason if commits fail now.
     pub(crate) fn state(&self) -> (u64, Option<Arc<str>>) {
         let state = self.state.lock();
         (state.safe, state.problem().cloned())
     }
 
-    /// Records up to `last` were written.
+    /// Notes that records up to `last` were written.
     pub(crate) fn wrote(&self, last: u64, bytes: usize) {
         self.backlog.fetch_add(bytes, Ordering::Relaxed);
         self.written.store(last, Ordering::SeqCst);
@@ -119,28 +120,28 @@ impl Safety {
         }
     }
 
-    /// Whether too much is on its way.
+    /// True if the limit of unsafe bytes is exceeded.
     pub(crate) fn is_full(&self) -> bool {
         self.backlog.load(Ordering::Relaxed) > BACKLOG_BYTES
     }
 
-    /// Whether a script may have to wait before it begins.
+    /// True if a script may have to wait before it begins.
     pub(crate) fn holds(&self) -> bool {
         self.strict || self.is_full()
     }
 
-    /// Waits until less is on its way.
+    /// Waits until the unsafe bytes are within the limit.
     pub(crate) fn wait_for_room(&self) {
         self.wait_until(|_| !self.is_full());
     }
 
-    /// The same, and with the strict rule until all that was written by now is safe.
+    /// Waits for room. With the strict rule, also waits until everything written before is safe.
     pub(crate) fn wait(&self) {
         let wanted = if self.strict { self.written.load(Ordering::SeqCst) } else { 0 };
         self.wait_until(|state| state.safe >= wanted && !self.is_full());
     }
 
-    /// Waits until the next try to make something safe; false if the run ends and the disk refuses, or there are no more tries.
+    /// Waits for the next commit. False if the run ends and the disk fails, or if no more commits follow.
     pub(crate) fn wait_for_try(&self) -> bool {
         let before = self.state.lock().tries;
         self.wait_until(|state| state.tries > before);
@@ -148,7 +149,7 @@ impl Safety {
         state.problem().is_none() && state.tries > before || !state.gives_up()
     }
 
-    /// A large group cannot be written: waits a while before it is tried again; false if the run ends.
+    /// Notes that a large group cannot be written, and waits before the retry. False if the run ends.
     pub(crate) fn refused(&self, problem: &str) -> bool {
         let mut state = self.state.lock();
         self.change(&mut state, |state| state.refused = Some(problem.into()));
@@ -156,7 +157,7 @@ impl Safety {
         !state.gives_up()
     }
 
-    /// It was written after all.
+    /// Notes that the large group was written.
     pub(crate) fn taken(&self) {
         self.change(&mut self.state.lock(), |state| state.refused = None);
     }
@@ -171,18 +172,18 @@ impl Safety {
         state.waiting -= 1;
     }
 
-    /// The run ends: a disk that refuses must not keep it from that.
+    /// Notes that the run ends, so that a failing disk does not prevent that.
     pub(crate) fn end(&self) {
         self.state.lock().ending = true;
         self.safer.notify_all();
     }
 
-    /// Whether it does.
+    /// True if the run ends.
     pub(crate) fn is_ending(&self) -> bool {
         self.state.lock().ending
     }
 
-    /// Makes the committer commit for the last time.
+    /// Requests the last commit.
     pub(crate) fn close(&self) {
         let mut state = self.state.lock();
         (state.ending, state.stage) = (true, state.stage.max(Stage::Closing));
@@ -190,7 +191,7 @@ impl Safety {
         self.safer.notify_all();
     }
 
-    /// Waits until there is something to do; called by the committer alone.
+    /// Waits for the next work. Called by the committer only.
     pub(crate) fn next_work(&self) -> CommitterWork {
         let mut state = self.state.lock();
         if state.problem.is_some() && state.stage == Stage::Open {
@@ -216,12 +217,12 @@ impl Safety {
         self.written.load(Ordering::SeqCst) <= state.safe
     }
 
-    /// How much is on its way, for [`Safety::committed`].
+    /// The number of unsafe bytes, for [`Safety::committed`].
     pub(crate) fn backlog(&self) -> usize {
         self.backlog.load(Ordering::Relaxed)
     }
 
-    /// Records up to `last` are safe, and `bytes` that were on their way.
+    /// Notes that records up to `last` are safe, with `bytes` of the unsafe bytes.
     pub(crate) fn committed(&self, last: u64, bytes: usize) {
         self.backlog.fetch_sub(bytes, Ordering::Relaxed);
         let mut state = self.state.lock();
@@ -229,7 +230,7 @@ impl Safety {
         self.tried(&mut state, None);
     }
 
-    /// Nothing becomes safe now.
+    /// Notes that a commit failed.
     pub(crate) fn failed(&self, problem: &str) {
         self.tried(&mut self.state.lock(), Some(problem.into()));
     }
@@ -248,27 +249,28 @@ impl Safety {
         }
     }
 
-    /// It was tried for the last time.
+    /// Notes that the last commit was tried.
     pub(crate) fn over(&self) {
         let mut state = self.state.lock();
         state.stage = state.stage.max(Stage::Over);
         self.safer.notify_all();
     }
 
-    /// Nothing more is made safe.
+    /// Notes that the record is closed.
     pub(crate) fn closed(&self) {
         self.state.lock().stage = Stage::Closed;
         self.safer.notify_all();
         self.turned.notify_all();
     }
 
-    /// Detail before this record was given up.
+    /// Notes that detail before this record was dropped.
     pub(crate) fn thinned(&self, before: u64) {
         self.state.lock().thinned = Some(before);
         self.turned.notify_all();
     }
 
-    /// Waits for what concerns the run; `was` says whether there was a problem before. None if nothing can come any more.
+    /// Waits for the next change that concerns the run; `was` is true if a problem was reported before. `None` if no
+    /// change can follow.
     pub(crate) fn next_turn(&self, was: bool) -> Option<RunAction> {
         let mut state = self.state.lock();
         loop {

@@ -1,4 +1,4 @@
-//! What the engine says, in the words of the protocol. Knows both vocabularies, but not who listens.
+//! Maps events of the engine to those of the protocol. This module knows both formats, but no listeners.
 
 use rafcon_engine::{Datum, Engine, Event, HeldBy, Level, Note, PathId, WaitReason};
 use rafcon_model::{Loss, OutcomeId};
@@ -22,7 +22,7 @@ pub(crate) fn defect(what: &str) -> Record {
     log(String::new(), LogLevel::Error, format!("a defect of RAFCON, please report it: {what}"))
 }
 
-/// A line of the engine's own.
+/// A line from the engine itself.
 pub(crate) fn log(path: String, level: LogLevel, message: String) -> Record {
     let stream = Stream::Engine;
     if path.is_empty() {
@@ -32,12 +32,12 @@ pub(crate) fn log(path: String, level: LogLevel, message: String) -> Record {
     }
 }
 
-/// An event that is ready to be told.
+/// The record of a protocol event.
 pub(crate) fn told(event: protocol::Event) -> Record {
     Record::Told(Box::new(event))
 }
 
-/// The record of any event that names no values.
+/// The record of an event without values.
 pub(crate) fn rare<D: Datum>(event: &Event<D>, engine: &Engine<D>) -> Option<Record> {
     Some(match event {
         Event::Waiting { path, reason } => told(protocol::Event::Waiting {
@@ -117,7 +117,7 @@ fn waiting<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
     }
 }
 
-/// For what a state waits, behind "waits for".
+/// The missing condition of a waiting state, to follow "waits for".
 pub(crate) fn awaited<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> String {
     match reason {
         WaitReason::NoTransition { child, outcome } => format!(
@@ -131,7 +131,7 @@ pub(crate) fn awaited<D: Datum>(reason: &WaitReason, engine: &Engine<D>) -> Stri
     }
 }
 
-/// The name that people gave a state; its path once it is gone.
+/// The user's name of a state, or its path after its removal.
 fn name_text<D: Datum>(path: PathId, engine: &Engine<D>) -> String {
     let node = engine.path_node(path).map(|node| engine.program().node(node));
     node.map_or_else(|| engine.path_text(path).to_string(), |node| format!("\"{}\"", node.name()))

@@ -1,4 +1,4 @@
-//! Runs at the bounds of what viewers send, and of what scripts ask.
+//! Runs at the limits of what viewers may send and scripts may ask.
 
 use super::served::{RunFixture, Viewer};
 use rafcon_protocol::{Command, Given, ToRunner, ToViewer};
@@ -15,7 +15,7 @@ hierarchy ROOT
     outcome ok
 ";
 
-/// A viewer that was let in, or why it was not.
+/// The viewer if it was admitted, otherwise the reason.
 fn admitted(mut viewer: Viewer) -> Result<Viewer, String> {
     let refused = viewer.until(|message| match message {
         ToViewer::Loaded { .. } => Some(None),
@@ -36,7 +36,7 @@ fn a_run_has_so_many_viewers_and_a_further_one_is_told_so() {
     let refused = admitted(fixture.look_on()).err();
     assert_eq!(refused.as_deref(), Some("64 viewers are connected; let one of them leave"));
     drop(others.pop());
-    // The runner sees the end of the connection on a thread of its own.
+    // The runner sees the end of the connection on another thread.
     let mut next = std::iter::repeat_with(|| admitted(fixture.look_on()));
     let mut next = next.find_map(Result::ok).unwrap();
     assert_eq!(next.command("stop", Command::Stop), "applied");
@@ -44,7 +44,7 @@ fn a_run_has_so_many_viewers_and_a_further_one_is_told_so() {
     runner.join().unwrap();
 }
 
-/// `padding` spaces before a command, which JSON allows.
+/// A command after `padding` spaces, which JSON allows.
 fn padded(id: &str, length: usize) -> String {
     let command =
         format!("{{\"message\":\"command\",\"id\":\"{id}\",\"command\":{{\"type\":\"pause\"}}}}\n");
@@ -59,7 +59,7 @@ fn a_line_that_is_too_long_is_ignored_whole_and_the_next_is_heard() {
     first.until_text("+ROOT/A");
     first.raw(&padded("longest", MOST));
     assert_eq!(first.answer("longest"), "applied");
-    // Its end would be a command of its own.
+    // The end of the line would be a command of its own.
     first.raw(&format!("{}{}", " ".repeat(MOST), padded("smuggled", 200)));
     first.raw(&padded("one byte too long", MOST + 1));
     first.send(&ToRunner::Inspect { id: "next".to_owned(), path: "ROOT".to_owned() });

@@ -1,4 +1,4 @@
-//! Machines that change while they run: by their folder, by commands, by their own scripts.
+//! Machines that change during a run: by their folder, by commands, by their own scripts.
 
 use super::served::{RunFixture, Viewer};
 use expect_test::{Expect, expect};
@@ -45,7 +45,7 @@ const MORE_OF_A: &str = "  start -> A
     outcome ok
 ";
 
-/// Changes the folder of a run whose first state waits, tells the run so, and lets it continue.
+/// Changes the folder of a run whose first state waits, reloads it, and lets the run continue.
 fn check(new: &str, wait: bool, answer: &str, expect: &Expect) {
     let fixture = RunFixture::new(&machine(OLD));
     let (mut viewer, runner) = fixture.begin(fixture.launch());

@@ -1,10 +1,10 @@
-//! What becomes of a run whose ground is silent, on the real clock: short times, waited for by what they cause.
+//! Runs with a silent ground, on the real clock. Times are short, and tests wait for their effects.
 
 use super::served::{RunFixture, Viewer};
 use expect_test::{Expect, expect};
 use rafcon_protocol::{Command, OnCrash, ToRunner};
 
-/// What a run says once its ground falls silent, which was heard when this event had come.
+/// The output of a run whose ground falls silent after this event.
 fn check(machine: &str, event: &str, expect: &Expect) {
     let fixture = RunFixture::new(machine);
     let (mut viewer, runner) = fixture.begin(fixture.launch());
@@ -71,7 +71,7 @@ hierarchy ROOT
     );
 }
 
-/// Waits for a command once it is silent.
+/// A machine that waits for a command once the ground is silent.
 const HELD: &str = r#"
 hierarchy ROOT
   outcome done
@@ -86,8 +86,8 @@ hierarchy ROOT
     outcome ok
 "#;
 
-/// Waits until the run is held, lets it go on, and answers all that it said; but no silence while it goes on, which a busy machine
-/// may make long enough to be one.
+/// Waits until the run is held, releases it, and returns its output. Silences after the release are dropped, because a
+/// busy machine may exceed the short time.
 fn let_go(mut viewer: Viewer) -> String {
     viewer.until_text("ROOT is held before ROOT/SAMPLE by Loss { loss: Link }");
     assert_eq!(viewer.command("go", Command::Resume { branch: None }), "applied");

@@ -1,4 +1,4 @@
-//! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without anyone who looks.
+//! Runs that hold: from the start, by steps, by breakpoints with conditions, with and without viewers.
 
 use super::served::RunFixture;
 use expect_test::{Expect, expect};
@@ -34,7 +34,7 @@ fn breakpoint(path: &str, condition: Option<&str>) -> Breakpoint {
     }
 }
 
-/// A run that is begun so, with these commands, each after an event.
+/// A run with this launch and these commands, each sent after an event.
 fn check(ask: impl FnOnce(&mut Launch), commands: &[(&str, Command)], expect: &Expect) {
     let fixture = RunFixture::new(THREE);
     let mut launch = fixture.launch();

@@ -1,4 +1,4 @@
-//! What of a run is kept, when it is safe, and what viewers are told of it.
+//! The records that a run keeps, the time when they are safe, and those that viewers receive.
 
 use super::players::Run;
 use super::served::{RunFixture, Viewer};
@@ -19,7 +19,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::{fs, io, thread};
 
-/// A hierarchy in which a number is counted up three times, then something else happens.
+/// A hierarchy that increments a number three times, then runs another state.
 fn counting(semantic: &str, last: &str) -> String {
     format!(
         r#"
@@ -48,14 +48,14 @@ fn shouting() -> String {
     counting("", "shout").replace("B.ok -> .done", more)
 }
 
-/// All events of a journal as they are told, with their numbers; `values` as a viewer chooses.
+/// All events of a journal in the viewers' format, with their numbers; `values` as a viewer requests.
 fn journal(folder: &Path, values: bool) -> Vec<(u64, Event)> {
     let mut reader = Reader::open(folder).unwrap();
     let page = reader.page(1, usize::MAX).unwrap();
     page.iter().map(|entry| (entry.sequence, reader.event(entry, values).unwrap())).collect()
 }
 
-/// All events that the viewer is told until the end.
+/// All events that the viewer receives until the end.
 fn told(viewer: &mut Viewer) -> Vec<(u64, Event)> {
     let mut events = Vec::new();
     while let Some(message) = viewer.next() {
@@ -66,7 +66,7 @@ fn told(viewer: &mut Viewer) -> Vec<(u64, Event)> {
     events
 }
 
-/// Runs the machine to its end and shows what its journal has, but for roots and the end.
+/// Runs the machine to its end and shows its journal, without roots and the end.
 fn check(machine: &str, launch: impl FnOnce(Launch) -> Launch, expect: &Expect) {
     let fixture = RunFixture::new(machine);
     let (mut viewer, runner) = fixture.begin(launch(fixture.launch()));
@@ -240,7 +240,7 @@ fn with_the_strict_rule_a_script_begins_once_its_entry_is_safe() {
     assert!(text.trim_end().ends_with("finished done"), "{text}");
 }
 
-/// A recorder with a journal in a new folder; nothing commits.
+/// A recorder with a journal in a new folder, without a committer.
 fn recorder(folder: &Path) -> Recorder {
     let journal = Journal::create(folder, &About::default(), &Options::default()).unwrap();
     Recorder::with_journal(journal, None, (Keeping::Full, false))
@@ -319,7 +319,7 @@ fn pause() -> Envelope {
     Envelope::new("1", "test", Command::Pause)
 }
 
-/// A line that is too large for the recorder; a file lies where it would be written instead.
+/// A line that is too large for the recorder. A file blocks the path to which it would be written.
 fn refused_line(folder: &Path) -> Record {
     fs::write(folder.join(SPILL_FOLDER), "").unwrap();
     line(&"x".repeat(2 << 20))

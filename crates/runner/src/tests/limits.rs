@@ -1,4 +1,4 @@
-//! Deadlines and grace periods on the real clock: short ones, waited for by what they cause.
+//! Deadlines and grace periods on the real clock. They are short, and tests wait for their effects.
 
 use super::served::RunFixture;
 use expect_test::{Expect, expect};

@@ -1,4 +1,4 @@
-//! Scripts without an interpreter, and runs of them.
+//! Scripts without an interpreter, and runs with them.
 
 use crate::drive::document::Document;
 use crate::drive::ending::RunEnd;
@@ -108,7 +108,7 @@ impl Scripts for Players {
     }
 }
 
-/// There is no global variable, and to ask for the one with this name is a defect.
+/// Globals without variables. Reading the one with this name panics.
 struct Panics;
 
 impl Globals<Value> for Panics {
@@ -118,27 +118,28 @@ impl Globals<Value> for Panics {
     }
 }
 
-/// A machine that is about to run.
+/// A run of a machine, with its driver.
 pub(super) struct Run {
     pub(super) driver: Arc<Driver<Players>>,
 }
 
-/// How a run went.
+/// The result of a run.
 pub(super) struct Report {
     pub(super) finish: Finish<Value>,
-    /// `+path` for entered and `-path=outcome` for left, in order.
+    /// Entries as `+path` and ends as `-path=outcome`, in order.
     pub(super) steps: Vec<String>,
-    /// How many threads it took.
+    /// Number of threads that the run needed.
     pub(super) threads: usize,
 }
 
 impl Run {
-    /// The machine of a text; `meeting` states meet, states with the word `again` take their first way `rounds` times.
+    /// A run of this machine. `meeting` states meet; states with the word `again` take their first outcome `rounds`
+    /// times.
     pub(super) fn new(machine: &str, meeting: usize, rounds: i64) -> Self {
         Self::recorded(machine, (meeting, rounds), Recorder::default())
     }
 
-    /// The same with a record of the caller's.
+    /// A run of this machine with the caller's recorder.
     pub(super) fn recorded(
         machine: &str,
         (meeting, rounds): (usize, i64),
@@ -155,7 +156,7 @@ impl Run {
         Self { driver: Driver::new(document, players, Clock::start(), active, recorder) }
     }
 
-    /// Waits until the engine is in this status.
+    /// Waits until the engine has this status.
     pub(super) fn wait_for_status(&self, status: Status) {
         while self.driver.with_core(|core| core.engine.status()) != Some(status) {
             std::thread::yield_now();
@@ -166,7 +167,7 @@ impl Run {
         self.driver.command(Input::Start(Start::default())).unwrap();
     }
 
-    /// Waits for the first event that `wanted` likes.
+    /// Waits for the first event that the predicate accepts.
     pub(super) fn wait_for(&self, wanted: impl Fn(&str) -> bool) {
         let mut past = Past::new(self.driver.recorder());
         while !past.more().iter().any(|text| wanted(text)) {
@@ -174,7 +175,7 @@ impl Run {
         }
     }
 
-    /// Waits for the end.
+    /// Waits for the end of the run.
     pub(super) fn end(self) -> Report {
         let Some(RunEnd::Finished(finish)) = self.driver.wait() else { panic!("cut off") };
         let threads = self.driver.with_core(|core| core.threads()).unwrap();
@@ -188,7 +189,7 @@ impl Run {
     }
 }
 
-/// What was recorded, read from the first event on.
+/// The recorded events, read from the first one on.
 struct Past<'r> {
     recorder: &'r Recorder,
     events: StreamReader,
@@ -200,7 +201,7 @@ impl<'r> Past<'r> {
         Self { recorder, events: StreamReader::new(0, false, None), next: 1 }
     }
 
-    /// Some more events, as texts.
+    /// The next events, as texts.
     fn more(&mut self) -> Vec<String> {
         let (mut chunk, mut texts) = (Chunk::default(), Vec::new());
         self.next = self.recorder.read(self.next, false, &mut chunk).next;

@@ -1,4 +1,4 @@
-//! An engine that cannot be reached, and one that has failed: both are found, and neither keeps a run from its end.
+//! An engine that cannot be reached, and one that has failed. Both are detected, and neither prevents the end of a run.
 
 use super::players::Run;
 use crate::drive::ending::RunEnd;
@@ -9,7 +9,7 @@ use std::sync::Barrier;
 use std::thread;
 
 const WAITS: &str = "execution ROOT \"wait\"\n  outcome done\n";
-/// Set in the process that ends by itself.
+/// Environment variable of the process that ends by itself.
 const ENDS: &str = "RAFCON_TEST_ENDS";
 
 /// A run whose script waits.
@@ -57,7 +57,7 @@ fn a_stop_that_the_engine_does_not_take_ends_the_process() {
             scope.spawn(|| {
                 driver.with_core(|_core| {
                     held.wait();
-                    // No one else comes: the engine stays locked.
+                    // No other thread arrives, so the engine stays locked.
                     held.wait();
                 })
             });

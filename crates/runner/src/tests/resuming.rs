@@ -1,4 +1,4 @@
-//! Runs that are resumed after their runner died, or begun again at an entry of their history.
+//! Runs that are resumed after their runner died, or restarted at an entry of their history.
 
 use super::served::{Actors, RunFixture, Viewer};
 use expect_test::{Expect, expect};
@@ -7,7 +7,7 @@ use rafcon_storage::journal::folder::RECORDER_FILE;
 use rafcon_storage::journal::{About, Journal, Options, Reader};
 use std::os::unix::net::UnixStream;
 
-/// Adds twice to a number; between that a script dies with its runner, in the first life.
+/// Adds to a number twice. Between that, a script dies with its runner in the first life.
 const DIES: &str = "
 hierarchy ROOT
   outcome done
@@ -60,7 +60,7 @@ fn entry(fixture: &RunFixture, wanted: &str) -> u64 {
     entry.unwrap().sequence
 }
 
-/// What the next life of the run tells, with these commands, each after an event.
+/// The output of the run's next life, with these commands, each sent after an event.
 fn check(
     fixture: &RunFixture,
     (policy, from): (OnCrash, Option<u64>),
@@ -76,7 +76,7 @@ fn check(
     runner.join().unwrap();
 }
 
-/// A command is noted down while what it leads to continues already.
+/// Removes the records of commands, whose position among the events of scripts varies.
 fn without_commands(text: &str) -> String {
     text.split_inclusive('\n').filter(|line| !line.contains(" by test: ")).collect()
 }
@@ -121,7 +121,7 @@ fn interrupted_states_run_again_with_the_data_they_had() {
     );
 }
 
-/// Adds to what it is given, unless it begins at its second state.
+/// Adds to its input, unless it starts at its second state.
 const GIVEN: &str = "
 hierarchy ROOT
   outcome done
@@ -142,7 +142,7 @@ hierarchy ROOT
     out number: int
 ";
 
-/// A run that died when its journal was made and nothing had happened, resumed; it continues after it was held with this text.
+/// Resumes a run that died before its first event. It continues after it was held with this text.
 fn check_blank(change: impl FnOnce(Launch) -> Launch, held: Option<&str>, expect: &Expect) {
     let fixture = RunFixture::new(GIVEN);
     let number = ("number".to_owned(), 6.into());
@@ -307,7 +307,7 @@ hierarchy ROOT \"brief\"
     );
 }
 
-/// Two branches of which one dies; the decider's way out depends on neither.
+/// Two branches, of which one dies. The decider's outcome depends on neither.
 const FORKS: &str = "
 barrier ROOT
   outcome done
@@ -356,7 +356,7 @@ fn all_branches_are_resumed_where_they_were() {
     runner.join().unwrap();
 }
 
-/// The number that is lost is needed by one state only.
+/// Only one state needs the lost number.
 const LOSES: &str = "
 hierarchy ROOT
   outcome done
@@ -401,7 +401,7 @@ fn a_state_that_needs_a_lost_value_aborts_and_names_it() {
     );
 }
 
-/// Three states, one after the other.
+/// Three states in sequence.
 const THREE: &str = "
 hierarchy ROOT
   outcome done
@@ -469,7 +469,7 @@ fn a_refused_way_back_leaves_global_variables_as_they_are() {
         }
         _ => None,
     });
-    // A is what follows on a preemption of C.
+    // A follows the preemption of C.
     assert_eq!(count, serde_json::json!(3));
     drop(viewer);
     runner.join().unwrap();
@@ -490,7 +490,7 @@ fn a_run_that_is_over_or_goes_on_is_not_resumed() {
     assert!(!fixture.run_folder().join(RECORDER_FILE).exists());
 }
 
-/// Why the run is not resumed.
+/// The reason why the run is not resumed.
 fn refusal(fixture: &RunFixture) -> String {
     let (ours, theirs) = UnixStream::pair().unwrap();
     let runner = std::thread::Builder::new();
@@ -576,7 +576,7 @@ hierarchy ROOT
     assert!(text.contains("-ROOT/B=aborted\n") && text.contains("\nfinished "), "{text}");
 }
 
-/// The first script does not end, whatever it is asked; behind its preemption comes another state.
+/// The first script never ends. Another state follows its preemption.
 const STUCK: &str = "
 hierarchy ROOT
   outcome done
@@ -615,7 +615,7 @@ fn a_state_that_was_preempted_stays_so_when_it_is_resumed() {
     );
 }
 
-/// Where it begins is not drawn.
+/// A machine without a start transition.
 const STARTLESS: &str = "
 hierarchy ROOT
   outcome done

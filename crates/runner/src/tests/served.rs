@@ -1,4 +1,4 @@
-//! Whole runs over real sockets: a host with scripts of plain Rust, and viewers that speak the protocol.
+//! Whole runs over real sockets: a host with scripts in plain Rust, and viewers that use the protocol.
 
 use crate::drive::error::ValueError;
 use crate::places::signals::PREEMPTED;
@@ -29,7 +29,7 @@ use std::sync::{Arc, OnceLock, Weak};
 use std::thread::JoinHandle;
 use tempfile::TempDir;
 
-/// Set in processes whose runs may die.
+/// Environment variable of processes whose runs may die.
 const MORTAL: &str = "RAFCON_TEST_MORTAL";
 
 /// A host for one run.
@@ -49,7 +49,7 @@ impl Host for Actors {
 
     fn literals(&mut self) -> &mut dyn Literals<Value> {
         static LITERALS: ModelLiterals = ModelLiterals;
-        // A value without a size: every one is the same.
+        // A zero-sized value, so that leaking it needs no memory.
         Box::leak(Box::new(LITERALS))
     }
 
@@ -75,7 +75,7 @@ impl Cast {
         self.driver.get().unwrap().upgrade().unwrap()
     }
 
-    /// Does what the first word of the state's name says.
+    /// Runs the script for the first word of the state's name.
     fn play(&self, word: &str, job: &Job<Value>, place: &Arc<Place>) -> ScriptResult<Value> {
         let plain = |returned, outputs| ScriptResult { returned, outputs, error: None };
         match word {
@@ -138,7 +138,7 @@ impl Cast {
         }
     }
 
-    /// Counts in a global variable.
+    /// Increments a global variable.
     fn count(&self) -> ScriptResult<Value> {
         let mut globals = self.globals.lock();
         let count = match globals.last() {
@@ -155,7 +155,7 @@ impl Cast {
         self.driver().log(Some(place.path), level, Stream::Logger, line);
     }
 
-    /// Adds a state to ROOT/C, after all that are there.
+    /// Adds a state to ROOT/C, after its other children.
     fn grow(&self, place: &Arc<Place>) -> ScriptResult<Value> {
         let (driver, container) = (self.driver(), StatePath::parse("ROOT/C"));
         let id = format!("GROWN_{}", place.text.rsplit('/').next().unwrap_or_default());
@@ -225,7 +225,7 @@ impl Scripts for Cast {
         &NoGlobals
     }
 
-    /// A run with this name dies after its root was left, before it says so.
+    /// A run with this name dies after its root was left, before it reports its end.
     fn finished(&self) {
         let program = Arc::clone(&self.program.read());
         let is_brief = program.node(Program::<Value>::ROOT).name() == "brief";
@@ -336,7 +336,7 @@ fn from_json(json: &serde_json::Value) -> Result<Value, ValueError> {
     }
 }
 
-/// A value that takes as long as whoever listens at this socket likes.
+/// A value that blocks until the listener at this socket closes the connection.
 fn until_closed(socket: &str) -> Value {
     let mut stream = UnixStream::connect(socket).unwrap();
     stream.read_to_end(&mut Vec::new()).unwrap();
@@ -349,7 +349,7 @@ pub(super) struct RunFixture {
 }
 
 impl RunFixture {
-    /// With the machine of this text.
+    /// A fixture with this machine.
     pub(super) fn new(machine: &str) -> Self {
         let home = tempfile::tempdir().unwrap();
         std::fs::write(home.path().join("config.yaml"), "{}\n").unwrap();
@@ -358,7 +358,7 @@ impl RunFixture {
         fixture
     }
 
-    /// Puts another machine there.
+    /// Replaces the machine on disk.
     pub(super) fn build(&self, machine: &str) {
         let machine = notation::parse(machine).unwrap();
         save(&machine, &self.machine(), None, Naming::default()).unwrap();
@@ -372,30 +372,30 @@ impl RunFixture {
         self.home.path().join("run")
     }
 
-    /// What a launch of it asks for: every event, and that others may join.
+    /// A launch that requests every event, and lets viewers join.
     pub(super) fn launch(&self) -> Launch {
         launch(self.home.path())
     }
 
-    /// What is asked for to take its run up again.
+    /// A launch that resumes the run.
     pub(super) fn resume(&self, policy: OnCrash, from: Option<u64>) -> Launch {
         let crash = Crash { reason: "a crash".to_owned(), active: vec!["ROOT/B".to_owned()] };
         let resume = Some(Resume { policy, from });
         Launch { resume, crash: Some(crash), ..self.launch() }
     }
 
-    /// A process of its own begins the run of this fixture, and dies of it. `test` is the test that calls this, which does nothing
-    /// else in that process.
+    /// Starts the run of this fixture in a process of its own, where it dies. `test` is the calling test, which does
+    /// nothing else in that process.
     pub(super) fn die(&self, test: &str) {
         self.die_after(test, "", &[]);
     }
 
-    /// The same for a run that someone carries to the ground, which is silent.
+    /// As [`Self::die`], for a run with a ground that is silent.
     pub(super) fn die_alone(&self, test: &str) {
         self.die_of(test, &[ToRunner::Ground { heard_ms_ago: None }], ("", &[]));
     }
 
-    /// The same, but what it dies of is that it was given these commands, after an event.
+    /// As [`Self::die`], but the process dies after it has received these commands, which follow an event.
     pub(super) fn die_after(&self, test: &str, after: &str, commands: &[(&str, Command)]) {
         self.die_of(test, &[], (after, commands));
     }
@@ -433,7 +433,7 @@ impl RunFixture {
         runner.unwrap().join().unwrap();
     }
 
-    /// Begins a run, with the viewer that launches it.
+    /// Starts a run, with the viewer that launches it.
     pub(super) fn begin(&self, launch: Launch) -> (Viewer, JoinHandle<()>) {
         std::fs::create_dir_all(self.run_folder()).unwrap();
         let (ours, theirs) = UnixStream::pair().unwrap();
@@ -444,7 +444,7 @@ impl RunFixture {
         (viewer, runner)
     }
 
-    /// A viewer that joins the run for what is rare from now on.
+    /// A viewer that joins the run for rare events from now on.
     pub(super) fn look_on(&self) -> Viewer {
         let mut viewer = Viewer::new(self.socket());
         viewer.send(&ToRunner::Join(Join::default()));
@@ -455,7 +455,7 @@ impl RunFixture {
         UnixStream::connect(self.run_folder().join("socket")).unwrap()
     }
 
-    /// A viewer that joins the run, from event number `from` on, with or without values.
+    /// A viewer that joins the run from event number `from` on, with or without values.
     pub(super) fn join(&self, from: u64, values: bool) -> Viewer {
         let stream = self.socket();
         let events = StreamReader::new(from, values, Some(self.run_folder()));
@@ -477,18 +477,18 @@ fn launch(home: &Path) -> Launch {
     }
 }
 
-/// One viewer.
+/// One viewer of a run.
 pub(super) struct Viewer {
     socket: BufReader<UnixStream>,
     events: StreamReader,
-    /// Messages that have come and were not taken.
+    /// Received messages that no test has taken.
     waiting: VecDeque<ToViewer>,
-    /// The texts of all events that came by.
+    /// The texts of all received events.
     pub(super) seen: Vec<String>,
 }
 
 impl Viewer {
-    /// Says hello.
+    /// A viewer that has sent its hello.
     pub(super) fn new(stream: UnixStream) -> Self {
         Self::reading(stream, StreamReader::new(0, false, None))
     }
@@ -506,12 +506,12 @@ impl Viewer {
         self.socket.get_mut().write_all(&encode(message).unwrap()).unwrap();
     }
 
-    /// Sends any text.
+    /// Sends an arbitrary text.
     pub(super) fn raw(&mut self, text: &str) {
         self.socket.get_mut().write_all(text.as_bytes()).unwrap();
     }
 
-    /// The next message; `None` when the connection has ended.
+    /// The next message; `None` after the end of the connection.
     pub(super) fn next(&mut self) -> Option<ToViewer> {
         while self.waiting.is_empty() {
             self.read()?;
@@ -534,7 +534,7 @@ impl Viewer {
         Some(())
     }
 
-    /// What the first message says that `wanted` takes.
+    /// The content of the first message that the predicate accepts.
     pub(super) fn until<T>(&mut self, mut wanted: impl FnMut(&ToViewer) -> Option<T>) -> T {
         loop {
             let message = self.next().unwrap_or_else(|| panic!("the end came: {:#?}", self.seen));
@@ -544,7 +544,7 @@ impl Viewer {
         }
     }
 
-    /// Waits for an event with this text; its number.
+    /// Waits for an event with this text, and returns its number.
     pub(super) fn until_text(&mut self, wanted: &str) -> u64 {
         self.until(|message| match message {
             ToViewer::Event { event, sequence, .. } => (text(event) == wanted).then_some(*sequence),
@@ -558,7 +558,7 @@ impl Viewer {
         self.answer(id)
     }
 
-    /// Sends a command.
+    /// Sends a command without waiting.
     pub(super) fn order(&mut self, id: &str, command: Command) {
         self.send(&ToRunner::Command(Envelope::new(id, "test", command)));
     }
@@ -576,7 +576,8 @@ impl Viewer {
         })
     }
 
-    /// Reads to the end; the texts of all events, one a line, but for machines: they are kept beside the run.
+    /// Reads to the end. Returns the texts of all events, one per line, without kept machines, which are recorded
+    /// concurrently.
     pub(super) fn into_end(mut self) -> String {
         while self.next().is_some() {}
         self.seen.retain(|text| !text.starts_with("Root "));
@@ -585,7 +586,7 @@ impl Viewer {
     }
 }
 
-/// One event in short.
+/// The short text of one event.
 fn text(event: &Event) -> String {
     match event {
         Event::Entered { path, .. } => format!("+{path}"),

@@ -1,4 +1,4 @@
-//! Random machines on real threads, stopped at random moments: every run ends, and whatever was entered is left.
+//! Random machines on real threads, stopped at random moments. Every run ends, and every entered state is left.
 
 use super::players::Run;
 use crate::drive::snapshot;
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A state: what it is, and what is inside.
+/// The kind of a state, and its children.
 #[derive(Debug, Clone)]
 enum Tree {
     Leaf(&'static str),
@@ -41,7 +41,8 @@ fn write(tree: &Tree, id: &str, depth: usize, text: &mut String) {
     }
 }
 
-/// One after the other in a hierarchy, which goes round if its last child does not abort; the rest as their kind wants it.
+/// Connects the children of a hierarchy in sequence. In a race each child leads to the outcome, and in a barrier an
+/// added decider does.
 fn connect(kind: &str, children: usize, id: &str, pad: &str, text: &mut String) {
     match kind {
         "hierarchy" => {
@@ -74,7 +75,7 @@ proptest! {
         let run = Run::new(&text, 1, 0);
         run.start();
         (0..stop_after * 10).for_each(|_| std::thread::yield_now());
-        // Refused if the run is over already.
+        // Refused if the run is over.
         drop(run.driver.command(Input::Stop));
         let report = run.end();
         let count = |sign: char| report.steps.iter().filter(|step| step.starts_with(sign)).count();
@@ -83,7 +84,7 @@ proptest! {
     }
 }
 
-/// Branches that each go through states of their own: whatever runs is entered for the first time.
+/// Branches that each run states of their own, so that each state is entered for the first time.
 fn wide(branches: usize, states: usize) -> String {
     let row = Tree::Inner("hierarchy", vec![Tree::Leaf("go"); states]);
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! Viewers: several at once, coming and going, with commands and questions.
+//! Viewers: several at once, joining and leaving, with commands and questions.
 
 use super::served::{RunFixture, Viewer};
 use crate::Clock;
@@ -38,7 +38,7 @@ hierarchy ROOT
     outcome ok
 ";
 
-/// Goes on until it is stopped, with an event in every few microseconds.
+/// A machine that runs until it is stopped, with an event every few microseconds.
 const GOES_ON: &str = "
 hierarchy ROOT
   outcome done
@@ -48,7 +48,7 @@ hierarchy ROOT
     outcome ok
 ";
 
-/// All events but those of commands, line by line.
+/// All events without those of commands, line by line.
 fn check(viewer: Viewer, expect: &Expect) {
     let text = viewer.into_end();
     let lines = text.split_inclusive('\n').filter(|line| !line.contains(" by test: "));
@@ -98,7 +98,7 @@ fn what_a_state_waits_for_is_told_by_names() {
     runner.join().unwrap();
 }
 
-/// Among so many events come four snapshots, however slowly a viewer reads on a busy computer.
+/// Number of events among which at least four snapshots come, however slowly a viewer reads on a busy computer.
 const EVENTS_ENOUGH: u64 = 2_000_000;
 
 #[test]
@@ -114,7 +114,7 @@ fn snapshots_come_while_events_come_faster_than_they_can_be_told() {
         }
         (snapshots.len() == 4 || told > EVENTS_ENOUGH).then_some(())
     });
-    // On a busy computer nothing may happen between two of them.
+    // On a busy computer, no event may happen between two of them.
     assert!(snapshots.is_sorted() && snapshots.first() < snapshots.last(), "{snapshots:?}");
     assert_eq!(snapshots.len(), 4, "{snapshots:?}, and then nothing up to event {told}");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");

@@ -1,4 +1,5 @@
-//! What viewers send: each command once, whoever sends it and whichever runner the run has, every one answered; questions about active states.
+//! Handles the messages of viewers: questions about active states, and commands. Each command runs once, whichever
+//! viewer sends it and whichever runner the run has, and each gets an answer.
 
 use crate::Scripts;
 use crate::drive::driver::Driver;
@@ -13,37 +14,37 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
-/// Commands by their ids, with their answers.
+/// Commands by id, each with its answer.
 pub(crate) type Answers = VecDeque<(String, Answer)>;
 
-/// Where all viewers of a run hand their commands in.
+/// Receives the commands of all viewers of a run.
 #[derive(Debug)]
 pub(crate) struct CommandDispatcher<S: Scripts> {
     driver: Arc<Driver<S>>,
-    /// The latest commands.
+    /// The latest commands, by order of arrival.
     known: Mutex<VecDeque<KnownCommand>>,
     answered: Condvar,
 }
 
-/// A command that came.
+/// A command that was received.
 #[derive(Debug)]
 struct KnownCommand {
     id: String,
-    /// What it asks for, as far as it tells it from others; not known of those that runners before have answered.
+    /// Hash of the command; `None` if an earlier runner answered it.
     asks: Option<u64>,
-    /// None yet while it is being carried out.
+    /// `None` while the command is being carried out.
     answer: Option<Answer>,
 }
 
 impl<S: Scripts> CommandDispatcher<S> {
-    /// A desk at which these commands were answered: by the runners before, if there were any.
+    /// A dispatcher that knows the commands answered by earlier runners.
     pub(crate) fn new(driver: Arc<Driver<S>>, answers: Answers) -> Self {
         let known = |(id, answer)| KnownCommand { id, asks: None, answer: Some(answer) };
         let known = Mutex::new(answers.into_iter().map(known).collect());
         Self { driver, known, answered: Condvar::new() }
     }
 
-    /// Serves one viewer until it goes away. `answering` is held from a command to its answer.
+    /// Serves one viewer until it disconnects. `answering` is locked from a command to its answer.
     pub(crate) fn serve(
         &self,
         heard: &Receiver<IncomingLine>,
@@ -71,7 +72,7 @@ impl<S: Scripts> CommandDispatcher<S> {
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
             Ok(ToRunner::Ground { heard_ms_ago }) => self.driver.ground_heard(heard_ms_ago),
-            // Whoever hears has answered it, or it is for stations.
+            // The listening thread has handled pings; the others are for stations.
             Ok(
                 ToRunner::Ping { .. }
                 | ToRunner::MoveControl { .. }
@@ -96,7 +97,7 @@ impl<S: Scripts> CommandDispatcher<S> {
         self.driver.record().note_until_over(tell::log(String::new(), LogLevel::Warning, message));
     }
 
-    /// The answer of a command that was sent before, from whomever; else it is carried out.
+    /// Returns the answer of a command that was received before, from any viewer. Otherwise carries the command out.
     fn answer(&self, envelope: &Envelope) -> Answer {
         let id = envelope.id.as_str();
         if let Some(answer) = self.earlier(envelope) {
@@ -111,7 +112,7 @@ impl<S: Scripts> CommandDispatcher<S> {
         answer
     }
 
-    /// The answer to this id, waited for if need be; without one the id is taken.
+    /// The answer to this id, after waiting for it if necessary. A new id is reserved.
     fn earlier(&self, envelope: &Envelope) -> Option<Answer> {
         let (id, asks) = (envelope.id.as_str(), asks(envelope));
         let mut known = self.known.lock();
@@ -134,7 +135,7 @@ impl<S: Scripts> CommandDispatcher<S> {
     }
 }
 
-/// What tells the command from others; nothing if it cannot be told.
+/// The hash of a command; `None` if it cannot be encoded.
 fn asks(envelope: &Envelope) -> Option<u64> {
     let mut hasher = DefaultHasher::new();
     serde_json::to_string(&envelope.command).ok()?.hash(&mut hasher);
@@ -146,7 +147,7 @@ fn taken(id: &str) -> Answer {
     Answer::Refused { reason }
 }
 
-/// The id of a command that does not decode.
+/// The id of a command that cannot be decoded.
 fn command_id(text: &str) -> Option<String> {
     let json: serde_json::Value = serde_json::from_str(text).ok()?;
     Some(json.get("id")?.as_str()?.to_owned())

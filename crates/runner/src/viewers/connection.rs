@@ -1,4 +1,5 @@
-//! The talk with one viewer: lines in, frames out. Knows messages, but not what they lead to.
+//! The connection to one viewer: lines are received, frames are sent. This module knows messages, but not their
+//! effects.
 
 use rafcon_locks::Mutex;
 use rafcon_protocol::{FrameError, Hello, ToViewer, decode, encode, encode_frame};
@@ -12,25 +13,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// No message of a viewer is longer.
+/// Limit of a viewer's message in bytes.
 const LINE_BYTES_MAX: u64 = 16 << 20;
 
-/// Why a talk did not begin.
+/// A reason why a connection was not established.
 #[derive(Debug, thiserror::Error)]
 pub enum TalkError {
-    /// The socket broke.
+    /// A read or write failed.
     #[error("the connection to the viewer broke")]
     Io(#[from] io::Error),
-    /// The viewer said something else.
+    /// The viewer sent an invalid first line.
     #[error("the viewer's first lines are not those of this protocol")]
     Frame(#[from] FrameError),
-    /// The viewer is of another version.
+    /// The viewer has another version.
     #[error(transparent)]
     Version(#[from] rafcon_protocol::VersionMismatch),
-    /// The viewer went away before it said what to run.
+    /// The viewer disconnected before its first message.
     #[error("the viewer went away before it said what to run")]
     Gone,
-    /// The viewer wants something else than to join.
+    /// The viewer's first message is not a join.
     #[error("the viewer's first message is not a join")]
     NoJoin,
 }
@@ -38,16 +39,16 @@ pub enum TalkError {
 /// The descriptors of all sockets of this process.
 static OPEN: Mutex<BTreeSet<RawFd>> = Mutex::new(BTreeSet::new());
 
-/// The descriptors of all sockets of this process, and of the locks of its runs. A forked copy closes them first of all: who
-/// listens at the other end is to see the end of the runner, and not that of its copies, and a run is not alive because a copy
-/// of its runner is. Never waits.
+/// The descriptors of all sockets of this process, and of the locks of its runs. A forked copy closes them first.
+/// Otherwise a viewer would see the end of the last copy instead of the end of the runner, and the run would count as
+/// alive while a copy is. Never waits.
 pub fn descriptors() -> Vec<RawFd> {
     let sockets = OPEN.try_lock();
     let sockets = sockets.iter().flat_map(|open| open.iter().copied());
     sockets.chain(rafcon_storage::journal::locks()).collect()
 }
 
-/// A descriptor that a forked copy lets go of.
+/// A descriptor that a forked copy closes.
 #[derive(Debug)]
 pub(crate) struct TrackedDescriptor<T: AsRawFd>(pub(crate) T);
 
@@ -64,7 +65,7 @@ impl<T: AsRawFd> Drop for TrackedDescriptor<T> {
     }
 }
 
-/// The socket. There is one descriptor of it and no copy, so that a forked process can let go of it.
+/// A shared socket. It has one descriptor and no duplicate, so that a forked process can close it.
 #[derive(Debug, Clone)]
 pub(crate) struct Socket(Arc<TrackedDescriptor<UnixStream>>);
 
@@ -75,52 +76,52 @@ impl Read for Socket {
 }
 
 impl Socket {
-    /// A connection that nothing was said on.
+    /// Wraps a new connection.
     pub(crate) fn new(stream: UnixStream) -> Self {
         Self(Arc::new(TrackedDescriptor::new(stream)))
     }
 
-    /// Whether both are the same connection.
+    /// True if both are one connection.
     pub(crate) fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// How long a read waits.
+    /// Sets the timeout of reads.
     pub(crate) fn wait_at_most(&self, time: Option<Duration>) -> io::Result<()> {
         self.0.0.set_read_timeout(time)
     }
 
-    /// Closes the talk, so that a blocked write or read ends.
+    /// Shuts the connection down, so that blocked reads and writes end.
     pub(crate) fn shut(&self) {
-        // A socket that is closed already is as closed as it should be.
+        // A socket that is already closed needs no shutdown.
         drop(self.0.0.shutdown(Shutdown::Both));
     }
 }
 
-/// The end that is written to; any thread may.
+/// The sending half of a connection, for any thread.
 #[derive(Debug)]
 pub(crate) struct Sender {
     socket: Mutex<Socket>,
     lost: AtomicBool,
 }
 
-/// The end that is read from.
+/// The receiving half of a connection.
 #[derive(Debug)]
 pub(crate) struct Receiver {
     lines: BufReader<Socket>,
     line: Vec<u8>,
 }
 
-/// One line that was read.
+/// One line from a viewer.
 #[derive(Debug)]
 pub(crate) enum IncomingLine {
-    /// A text, without its newline.
+    /// A text without its newline.
     Text(String),
-    /// Something that is no line of text.
+    /// Bytes that are no line of text.
     Nonsense,
 }
 
-/// The connection to one viewer, hellos said.
+/// The connection to one viewer, after the hellos.
 #[derive(Debug)]
 pub(crate) struct Line {
     pub(crate) sender: Sender,
@@ -128,7 +129,7 @@ pub(crate) struct Line {
     pub(crate) socket: Socket,
 }
 
-/// Exchanges hellos.
+/// Exchanges hellos with a viewer.
 pub(crate) fn open(socket: Socket) -> Result<Line, TalkError> {
     let sender = Sender { socket: Mutex::new(socket.clone()), lost: AtomicBool::new(false) };
     let mut receiver = Receiver { lines: BufReader::new(socket.clone()), line: Vec::new() };
@@ -138,26 +139,26 @@ pub(crate) fn open(socket: Socket) -> Result<Line, TalkError> {
 }
 
 impl Sender {
-    /// Sends one message. A viewer that is gone is not an error: the run continues.
+    /// Sends one message. A lost viewer is not an error: the run continues.
     pub(crate) fn send(&self, message: &ToViewer) {
         if let Ok(frame) = encode_frame(message) {
             self.send_frame(&frame);
         }
     }
 
-    /// Sends a frame that is encoded already.
+    /// Sends an encoded frame.
     pub(crate) fn send_frame(&self, frame: &[u8]) {
         if !self.is_lost() && self.write(frame).is_err() {
             self.lose();
         }
     }
 
-    /// No one listens any more.
+    /// Marks the connection as lost.
     pub(crate) fn lose(&self) {
         self.lost.store(true, Ordering::Relaxed);
     }
 
-    /// Whether no one listens any more.
+    /// True if the viewer no longer listens.
     pub(crate) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Relaxed)
     }
@@ -168,7 +169,7 @@ impl Sender {
 }
 
 impl Receiver {
-    /// The next line; `None` when the viewer is gone.
+    /// The next line; `None` after the end of the connection.
     pub(crate) fn line(&mut self) -> Option<IncomingLine> {
         self.line.clear();
         let mut limited = self.lines.by_ref().take(LINE_BYTES_MAX);
@@ -186,7 +187,7 @@ impl Receiver {
         Some(text.map_or(IncomingLine::Nonsense, IncomingLine::Text))
     }
 
-    /// The next line as a message.
+    /// The next line, decoded as a message.
     pub(crate) fn message<T: DeserializeOwned>(&mut self) -> Result<T, TalkError> {
         match self.line() {
             None => Err(TalkError::Gone),

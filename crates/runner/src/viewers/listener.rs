@@ -1,4 +1,5 @@
-//! Where others join a run: a socket in the run's folder. Knows how a viewer comes in, but not what it is told.
+//! Accepts viewers that join a run, at a socket in the run's folder. This module knows how a viewer joins, but not what
+//! it receives.
 
 use crate::Scripts;
 use crate::viewers::connection::{self, Socket, TalkError, TrackedDescriptor};
@@ -14,22 +15,22 @@ use std::path::{Path, PathBuf};
 use std::thread::{self, Scope};
 use std::time::Duration;
 
-/// How long someone who connects may take to say who they are and what they want.
+/// Timeout for the hello and the first message of a connection.
 const HELLO_AT_MOST: Duration = Duration::from_secs(10);
 
-/// How long no one is let in who could not be.
+/// Pause after a connection could not be accepted.
 const ACCEPT_BACKOFF: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
-/// The open door of a run.
+/// The listening socket of a run.
 #[derive(Debug)]
 pub(crate) struct ViewerListener {
     listener: TrackedDescriptor<UnixListener>,
     path: PathBuf,
-    /// Closed when no one is to come in any more.
+    /// Closed when no more viewers are accepted.
     open: UnixStream,
 }
 
-/// Closes the door when it is dropped.
+/// Ends the listener on drop.
 #[derive(Debug)]
 pub(crate) struct ListenerCloser {
     open: UnixStream,
@@ -37,13 +38,14 @@ pub(crate) struct ListenerCloser {
 
 impl Drop for ListenerCloser {
     fn drop(&mut self) {
-        // Not only closed: a process that a script forked may have a copy. One that is shut already is as shut as it should be.
+        // Shut down, not only closed, because a process that a script forked may have a copy. A socket that is already
+        // shut needs no more.
         drop(self.open.shutdown(Shutdown::Both));
     }
 }
 
 impl ViewerListener {
-    /// Opens the door of the run in `folder`. What lies there of an earlier runner is removed.
+    /// Opens the socket of the run in `folder`. A socket that an earlier runner left there is removed.
     pub(crate) fn open(folder: &Path) -> io::Result<(Self, ListenerCloser)> {
         let path = folder.join(SOCKET_FILE);
         let listener = TrackedDescriptor::new(bind_socket(folder)?);
@@ -51,7 +53,7 @@ impl ViewerListener {
         Ok((Self { listener, path, open }, ListenerCloser { open: closer }))
     }
 
-    /// Lets viewers in until the door is closed.
+    /// Accepts viewers until the listener is closed.
     pub(crate) fn serve<'scope, S: Scripts>(
         self,
         scope: &'scope Scope<'scope, '_>,
@@ -67,29 +69,30 @@ impl ViewerListener {
                 continue;
             }
             let talk = move || {
-                // Whoever does not say who they are is no one: the connection ends.
+                // The connection ends if the hello or the join fails.
                 drop(welcome(scope, company, &socket));
                 company.arrived(&socket);
             };
-            // Whoever finds no thread to talk to is shut out: the connection ends.
+            // The connection ends if the system has no thread for it.
             drop(thread::Builder::new().name("joining".to_owned()).spawn_scoped(scope, talk));
         }
     }
 
-    /// Waits a while, or until the door is closed: the system has no room for a connection, and someone still knocks.
+    /// Pauses after a failed accept, at most until the listener is closed. The system lacks room for a connection, and the
+    /// client still waits.
     fn rest(&self) {
         let mut open = [PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP)];
-        // Interrupted by a signal, the wait is over.
+        // A signal ends the pause early.
         let _woken = poll(&mut open, Some(&ACCEPT_BACKOFF));
     }
 
-    /// Waits for the next one; false when the door is closed.
+    /// Waits for the next connection; false when the listener is closed.
     fn is_knocked_at(&self) -> bool {
         let mut both = [
             PollFd::new(&self.listener.0, PollFlags::IN),
             PollFd::new(&self.open, PollFlags::IN | PollFlags::HUP),
         ];
-        // Interrupted by a signal, the wait begins anew.
+        // A signal restarts the wait.
         while poll(&mut both, None).is_err() {}
         both[1].revents().is_empty()
     }
@@ -97,7 +100,7 @@ impl ViewerListener {
 
 impl Drop for ViewerListener {
     fn drop(&mut self) {
-        // The folder may be gone, and the socket with it.
+        // The folder may have been removed, with the socket.
         drop(fs::remove_file(&self.path));
     }
 }

@@ -1,4 +1,5 @@
-//! What one viewer is told, at its own pace: it reads the recorder from its own place, and no branch ever waits for it.
+//! Sends events to one viewer, at the viewer's pace. It reads the recorder at its own position, and no branch ever
+//! waits for it.
 
 use crate::drive::driver::Driver;
 use crate::drive::snapshot;
@@ -15,32 +16,32 @@ use rafcon_storage::journal::{Item, Record};
 use std::sync::mpsc::{self, SyncSender};
 use std::time::Duration;
 
-/// While things happen, they are told in bundles this far apart.
+/// Interval between bundles of events.
 const BUNDLE_EVERY: Duration = Duration::from_millis(10);
-/// Snapshots are at least this far apart, in ms.
+/// Minimum interval between snapshots, in ms.
 const SNAPSHOT_EVERY_MS: u64 = 100;
 
-/// One viewer's view of a run.
+/// The state of one viewer's event stream.
 #[derive(Debug)]
 pub(crate) struct Viewer<'d, S: Scripts> {
     driver: &'d Driver<S>,
     sender: &'d Sender,
     join: Join,
     next: u64,
-    /// When the last snapshot was sent, in ms since the start.
+    /// Time of the last snapshot, in ms since the start.
     last_snapshot_ms: Option<u64>,
-    /// Something happened since the last snapshot.
+    /// True if an event happened since the last snapshot.
     stale: bool,
-    /// The last record that is in a snapshot, or will be in the next.
+    /// The last record that a snapshot contains, or that the next one will contain.
     seen: u64,
     chunk: Chunk,
     archive: Archive,
-    /// The frame of events that is sent next: room for its head, then blocks.
+    /// The next frame of events: room for its head, then blocks.
     frame: Vec<u8>,
 }
 
 impl<'d, S: Scripts> Viewer<'d, S> {
-    /// A viewer that has seen everything before what it asks for.
+    /// A viewer that has received everything before the requested event.
     pub(crate) fn new(driver: &'d Driver<S>, sender: &'d Sender, join: &Join) -> Self {
         let next = if join.from == 0 { driver.recorder().tellable() } else { join.from };
         Self {
@@ -57,7 +58,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         }
     }
 
-    /// Tells everything until the run is over and told, or the viewer is gone.
+    /// Sends all events until the run is over, or the viewer is lost.
     pub(crate) fn follow(mut self) {
         self.driver.recorder().names().write(&mut self.frame);
         self.flush();
@@ -69,8 +70,8 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         }
     }
 
-    /// Tells what is new, and how things stand in between: events may come faster than they can be told, without end. True when
-    /// nothing more will come.
+    /// Sends new events, and snapshots between them, because events may come faster than they can be sent. True when no
+    /// more events will follow.
     fn tell_new(&mut self) -> bool {
         loop {
             let rare = !self.join.every_event;
@@ -93,7 +94,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         }
     }
 
-    /// Tells what only the journal still has, before event `end`; all of it, or that it is lost.
+    /// Sends events that only the journal contains, before event `end`. If they are unavailable, reports the gap.
     fn tell_old(&mut self, end: u64) {
         while self.next < end && !self.sender.is_lost() {
             let Some(page) = self.archive.page(self.driver.recorder().folder(), self.next, end)
@@ -135,7 +136,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         EventBlock { first: sequence, t_before: t_ns, items: &items }.write(&mut self.frame);
     }
 
-    /// Sends the frame, if there is anything in it.
+    /// Sends the frame unless it is empty.
     fn flush(&mut self) {
         let length = self.frame.len() - FRAME_HEAD;
         if length > 0 {
@@ -163,7 +164,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
         self.last_snapshot_ms.map_or(0, |last| last + SNAPSHOT_EVERY_MS)
     }
 
-    /// Waits until something is to be told: at least the time between two bundles, and without end while nothing happens.
+    /// Waits for something to send: at least the bundle interval, and without limit while nothing happens.
     fn rest(&self) {
         self.driver.recorder().wait_closed(Clock::moment(BUNDLE_EVERY));
         let due = self.snapshot_due_ms().saturating_sub(self.driver.clock().now_ms());
@@ -172,15 +173,15 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     }
 }
 
-/// So many words of one viewer wait for their turn; then it is not listened to.
+/// Capacity of the queue of one viewer's lines. While it is full, the viewer is not read.
 const WAITING: usize = 64;
 
-/// The way of a viewer's words from whoever hears them to whoever heeds them.
+/// The queue from the thread that reads a viewer to the thread that handles its lines.
 pub(crate) fn way() -> (SyncSender<IncomingLine>, mpsc::Receiver<IncomingLine>) {
     mpsc::sync_channel(WAITING)
 }
 
-/// Hears one viewer until it goes away, or no one heeds it any more; `pulse` asks for the engine.
+/// Reads one viewer until it disconnects, or its lines are no longer handled; `pulse` checks the engine.
 pub(crate) fn hear(
     mut receiver: Receiver,
     sender: &Sender,

@@ -1,5 +1,5 @@
-//! Everyone who is connected to a run: each viewer is told and may command, none holds up another or the run. Knows who is
-//! there, but not what is said.
+//! The viewers connected to a run. Each receives events and may send commands. No viewer delays another or the run.
+//! This module knows who is connected, but not the messages.
 
 use crate::drive::driver::Driver;
 use crate::viewers::commands::{Answers, CommandDispatcher};
@@ -15,64 +15,64 @@ use std::sync::{Arc, mpsc};
 use std::thread::{self, Scope};
 use std::time::Duration;
 
-/// How long viewers that do not read may hold up the end of the process, after the run is over.
+/// Timeout for viewers that do not read, after the run is over. Then the process ends.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
-/// Viewers at most.
+/// Limit of the connected viewers.
 pub(crate) const GUESTS_MAX: usize = 64;
 
-/// A viewer that was not let in.
+/// A viewer that was not admitted.
 #[derive(Debug, thiserror::Error)]
 enum AdmitError {
-    /// There is nothing to see any more.
+    /// The run has no more events to show.
     #[error("the run is over; its journal tells how it went")]
     RunOver,
     #[error("{GUESTS_MAX} viewers are connected; let one of them leave")]
     Full,
 }
 
-/// The viewers of a run.
+/// The viewers of a run, with their threads.
 #[derive(Debug)]
 pub(crate) struct ViewerSet<S: Scripts> {
     driver: Arc<Driver<S>>,
     desk: CommandDispatcher<S>,
-    /// What each is told first.
+    /// The first message to each viewer.
     loaded: ToViewer,
     present: Mutex<Present>,
-    /// Held while the engine is told whether anyone is there.
+    /// Locked while the engine receives a report about connected viewers.
     noting: Mutex<()>,
-    /// A viewer was told everything, or has gone.
+    /// Signals that a viewer has received everything, or has disconnected.
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
 struct Present {
     guests: Vec<Arc<ViewerConnection>>,
-    /// Connections whose owners have not said yet who they are.
+    /// Connections without a hello.
     arriving: Vec<Socket>,
-    /// The run is over: no one is let in any more.
+    /// True if the run is over, so that no viewer is admitted.
     closed: bool,
 }
 
-/// One viewer.
+/// The connection of one viewer.
 #[derive(Debug)]
 struct ViewerConnection {
     sender: Sender,
     socket: Socket,
-    /// Held from a command to its answer.
+    /// Locked from a command to its answer.
     answering: Mutex<()>,
-    /// Whether nothing is left to tell it. Written with the list locked.
+    /// True once everything was sent. Written with the list locked.
     told: Mutex<bool>,
 }
 
 impl<S: Scripts> ViewerSet<S> {
-    /// A run that no one watches; these commands were answered before.
+    /// A set without viewers, with the commands that earlier runners have answered.
     pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
         let desk = CommandDispatcher::new(Arc::clone(&driver), answers);
         let (present, noting) = (Mutex::default(), Mutex::new(()));
         Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
     }
 
-    /// Someone has connected; false if no one is let in any more.
+    /// Notes a new connection; false if no more are accepted.
     pub(crate) fn arrive(&self, socket: &Socket) -> bool {
         let mut present = self.present.lock();
         let room = !present.closed && present.arriving.len() < GUESTS_MAX;
@@ -82,12 +82,12 @@ impl<S: Scripts> ViewerSet<S> {
         room
     }
 
-    /// Someone who had connected is a viewer now, or is gone.
+    /// Notes that a connection became a viewer, or ended.
     pub(crate) fn arrived(&self, socket: &Socket) {
         self.present.lock().arriving.retain(|other| !other.is(socket));
     }
 
-    /// Lets a viewer in: it is told what it wants to know, by threads of its own.
+    /// Admits a viewer, whose threads send it the events that it requests.
     pub(crate) fn welcome<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
@@ -110,7 +110,7 @@ impl<S: Scripts> ViewerSet<S> {
         seated
     }
 
-    /// Gives a viewer its threads.
+    /// Starts the threads of a viewer.
     fn seat<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
@@ -147,14 +147,14 @@ impl<S: Scripts> ViewerSet<S> {
         Ok(())
     }
 
-    /// Takes commands until the viewer goes away. The run continues without it.
+    /// Handles commands until the viewer disconnects. The run continues without it.
     fn heed(&self, guest: &Arc<ViewerConnection>, words: &mpsc::Receiver<IncomingLine>) {
         self.desk.serve(words, &guest.sender, &guest.answering);
         guest.sender.lose();
         self.leave(guest);
     }
 
-    /// A viewer is not there any more.
+    /// Removes a disconnected viewer.
     fn leave(&self, guest: &Arc<ViewerConnection>) {
         let mut present = self.present.lock();
         present.guests.retain(|other| !Arc::ptr_eq(other, guest));
@@ -174,16 +174,16 @@ impl<S: Scripts> ViewerSet<S> {
         self.changed.notify_all();
     }
 
-    /// Lets the engine know whether anyone is there. One after the other: what it is told last is what is true.
+    /// Reports to the engine whether viewers are connected. Reports are serialized, so that the last one is correct.
     fn attended(&self) {
         let _turn = self.noting.lock();
         let anybody = !self.present.lock().guests.is_empty();
-        // Refused when the run is over or has not begun, and then it makes no difference.
+        // Refused when the run is over or has not begun, and then it does not matter.
         drop(self.driver.command(Input::Attended(anybody)));
     }
 
-    /// Waits until everyone was told everything, for a while; then all connections end, after `told`: what a viewer does who
-    /// sees its connection end comes later.
+    /// Waits, with a timeout, until all viewers have received everything. Then runs the callback and closes all
+    /// connections. So the callback has run before a viewer sees the end of its connection.
     pub(crate) fn part(&self, told: impl FnOnce()) {
         let deadline = Clock::moment(DRAIN_TIMEOUT);
         let mut present = self.present.lock();
