@@ -1,53 +1,53 @@
-//! What is different in a machine now: the smallest parts of a document that say it.
+//! Differences between two machines, as the smallest parts of a document that express them.
 
 use super::of::walk;
 use super::{DataFlowDocument, HeaderDocument, StateDocument, TransitionDocument};
 use rafcon_model::{Container, Difference, Machine, State, StatePath, diff};
 use serde::{Deserialize, Serialize};
 
-/// One part of a document that is different now. All changes of a revision count together.
+/// A changed part of a document. All changes of a revision apply together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "change", rename_all = "snake_case")]
 pub enum Change {
-    /// A state is there now, or is another one. It comes without its connections, which stay as they are.
+    /// A state was added or changed. Its connections are not included and stay unchanged.
     State {
-        /// The state.
+        /// The state with its new data.
         state: Box<StateDocument>,
     },
-    /// A state is gone, with everything inside it.
+    /// A state was removed with its descendants.
     StateRemoved {
-        /// Its path.
+        /// Path of the state.
         path: String,
     },
-    /// A transition is there now, is another one, or is gone.
+    /// A transition was added, changed or removed.
     Transition {
-        /// The path of the container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the transition.
         id: i64,
-        /// The transition; none if it is gone.
+        /// The new transition. Empty if it was removed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         transition: Option<TransitionDocument>,
     },
-    /// A data flow is there now, is another one, or is gone.
+    /// A data flow was added, changed or removed.
     DataFlow {
-        /// The path of the container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the data flow.
         id: i64,
-        /// The data flow; none if it is gone.
+        /// The new data flow. Empty if it was removed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         data_flow: Option<DataFlowDocument>,
     },
-    /// The machine as a whole is another one.
+    /// The machine's header was changed.
     Header {
-        /// The header.
+        /// The whole new header.
         header: HeaderDocument,
     },
 }
 
-/// What leads from one machine's document to another's. What both machines share is not looked at.
+/// Returns the changes from one machine's document to another's. Parts that both machines share are skipped.
 pub fn changes(old: &Machine, new: &Machine) -> Vec<Change> {
     let mut found = Vec::new();
     if old.header != new.header {

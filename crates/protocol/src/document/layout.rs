@@ -1,4 +1,4 @@
-//! Layout on its way: the text of a `meta_data.json` goes to clients as it is, without being taken apart.
+//! Layouts in documents. The text of a `meta_data.json` is sent to clients unchanged, without being parsed.
 
 use super::value::{decode_json, encode_json};
 use rafcon_model::{Layout, json};
@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::value::RawValue;
 use std::sync::Arc;
 
-/// Where a state and its parts stand on the screen: the JSON of the reference's `meta_data.json` (`docs/format.md`, layout).
+/// Layout of a state and its parts: the JSON of the reference's `meta_data.json` (see "layout" in `docs/format.md`).
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS), schema(value_type = Object))]
 pub struct LayoutDocument(
@@ -16,7 +16,7 @@ pub struct LayoutDocument(
 );
 
 impl LayoutDocument {
-    /// Of the model; `None` if there is no layout.
+    /// Creates the document of a layout. `None` if there is no layout.
     pub(crate) fn of(layout: &Layout) -> Option<Self> {
         let text = layout.text()?;
         if text.contains("NaN") || text.contains("Infinity") {
@@ -25,7 +25,7 @@ impl LayoutDocument {
         Some(Self(text.into()))
     }
 
-    /// For the model; the error says what is wrong with it.
+    /// Converts the layout to the model. The error describes the fault.
     pub(crate) fn read(&self) -> Result<Layout, String> {
         let is_marked =
             ["\"__int__\"", "\"__float__\"", "\"__dict__\""].iter().any(|tag| self.0.contains(tag));

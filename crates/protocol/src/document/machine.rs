@@ -1,118 +1,118 @@
-//! The shapes of a document. What is empty is left out.
+//! Data types of a document. Empty fields are omitted.
 
 use super::LayoutDocument;
 use serde::{Deserialize, Serialize};
 
-/// A machine.
+/// A machine as a document.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Document {
-    /// The machine as a whole.
+    /// Data of the machine as a whole.
     pub header: HeaderDocument,
-    /// All states but those inside libraries, a state before its children, children by rising id.
+    /// All states outside libraries, each after its parent, siblings sorted by id.
     pub states: Vec<StateDocument>,
 }
 
-/// What is said of a machine as a whole.
+/// Data of a machine as a whole.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct HeaderDocument {
-    /// UTC, `YYYY-MM-DD hh:mm:ss`.
+    /// Creation time in UTC, `YYYY-MM-DD hh:mm:ss`.
     #[serde(default)]
     pub creation_time: String,
     /// The user's version of the machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// The program that wrote it last.
+    /// Version of the program that last wrote the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub used_rafcon_version: Option<String>,
     /// Layout of the machine as a whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<LayoutDocument>,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// One state, without what stands inside it.
+/// One state, without its descendants.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StateDocument {
-    /// Its key: the ids from the root to this state, joined by `/`.
+    /// Key of the state: the ids from the root to the state, joined by `/`.
     pub path: String,
-    /// Its id, only where a faulty one (empty, or with a `/`) cannot be told from the path.
+    /// Id of the state, only if it is invalid (empty, or with a `/`) and so cannot be derived from the path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
-    /// For people.
+    /// Name for people.
     pub name: String,
-    /// What kind of state it is.
+    /// Kind of state.
     pub kind: StateKind,
-    /// For people; Markdown.
+    /// Description in Markdown, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
-    /// The Python text of an execution state or decider.
+    /// Python script of an execution state or decider.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub script: Option<String>,
-    /// By rising id. In what is added to a machine none means aborted (-1) and preempted (-2).
+    /// Outcomes sorted by id. For a state that is added to a machine, an empty list means aborted (-1) and preempted (-2).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outcomes: Vec<OutcomeDocument>,
-    /// By rising id.
+    /// Input ports sorted by id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<PortDocument>,
-    /// By rising id.
+    /// Output ports sorted by id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outputs: Vec<PortDocument>,
-    /// Of a container, by rising id.
+    /// Scoped variables of a container, sorted by id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scoped_variables: Vec<PortDocument>,
     /// Notes of the user.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub semantic_data: Option<serde_json::Value>,
-    /// Where it and its parts stand on the screen.
+    /// Layout of the state and its parts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<LayoutDocument>,
-    /// Of a library state: which library, and what is set for its ports.
+    /// Library of a library state, and the values set for its ports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub library: Option<LibraryDocument>,
-    /// Of a container, by rising id.
+    /// Transitions of a container, sorted by id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub transitions: Vec<TransitionDocument>,
-    /// Of a container, by rising id.
+    /// Data flows of a container, sorted by id.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub data_flows: Vec<DataFlowDocument>,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// What kind of state it is.
+/// Kind of state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum StateKind {
-    /// Runs a script.
+    /// Runs a Python script.
     Execution,
-    /// Runs a script that decides how its barrier ends.
+    /// Runs a script that determines the outcome of its barrier.
     Decider,
     /// Runs its children one after the other.
     Hierarchy,
-    /// Runs its children at the same time, waits for all, then runs the decider.
+    /// Runs its children concurrently, waits for all, then runs the decider.
     Barrier,
-    /// Runs its children at the same time until the first ends.
+    /// Runs its children concurrently until the first one ends.
     Preemptive,
     /// Runs another state machine.
     Library,
 }
 
-/// One way in which a state can end.
+/// An outcome of a state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct OutcomeDocument {
-    /// Unique in the state; -1 is aborted, -2 preempted.
+    /// Id, unique in the state. -1 is aborted, -2 is preempted.
     pub id: i64,
-    /// Unique in the state.
+    /// Name, unique in the state.
     pub name: String,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
@@ -121,104 +121,104 @@ pub struct OutcomeDocument {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PortDocument {
-    /// Unique over inputs, outputs and scoped variables of the state.
+    /// Id, unique among inputs, outputs and scoped variables of the state.
     pub id: i64,
-    /// Unique in its own list.
+    /// Name, unique in its list.
     pub name: String,
-    /// A Python type: `int`, `numpy.ndarray`.
+    /// Python type, such as `int` or `numpy.ndarray`.
     pub data_type: String,
-    /// `null` is `None`; a text for another type is read when a run starts.
+    /// Default value. `null` is `None`. Text for another type is evaluated when a run starts.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub default: serde_json::Value,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// What runs next after an outcome.
+/// A transition from an outcome to the next state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct TransitionDocument {
-    /// Unique in the container.
+    /// Id, unique in the container.
     pub id: i64,
-    /// Id of a child; none: from the income of the container.
+    /// Id of the child it starts at. Empty for the income of the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from_state: Option<String>,
-    /// Its outcome.
+    /// Outcome of that child.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub from_outcome: Option<i64>,
-    /// Id of a child, or of the container itself.
+    /// Id of the target child, or of the container itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_state: Option<String>,
-    /// An outcome of the container; none if it leads to a child.
+    /// Target outcome of the container. Empty if the target is a child.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to_outcome: Option<i64>,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// A value's way from one port to another. An end is a child, or the container itself.
+/// A data flow from one port to another. Each end belongs to a child or to the container itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct DataFlowDocument {
-    /// Unique in the container.
+    /// Id, unique in the container.
     pub id: i64,
-    /// Id of the state of the source.
+    /// Id of the source state.
     pub from_state: String,
-    /// The port there.
+    /// Id of the source port.
     pub from_port: i64,
-    /// Id of the state of the target.
+    /// Id of the target state.
     pub to_state: String,
-    /// The port there.
+    /// Id of the target port.
     pub to_port: i64,
-    /// Keys of the file that no one knows.
+    /// Unknown keys of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// Which library a state runs. Its content is asked for on its own.
+/// Library that a state runs. Its content is requested separately.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LibraryDocument {
-    /// A library root and the folders below it, joined by `/`.
+    /// Library root and the folders below it, joined by `/`.
     pub path: String,
-    /// The folder of the library.
+    /// Name of the library's folder.
     pub name: String,
-    /// The version that the state was made with.
+    /// Version of the library with which the state was created.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
-    /// What is set for input ports.
+    /// Values set for input ports.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub inputs: Vec<RuntimeValueDocument>,
-    /// What is set for output ports.
+    /// Values set for output ports.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outputs: Vec<RuntimeValueDocument>,
-    /// Why the library was not found; none if it was.
+    /// Reason why the library was not found. Empty if it was found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub missing: Option<String>,
 }
 
-/// What a library state sets for a port.
+/// Value that a library state sets for a port.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RuntimeValueDocument {
-    /// The port's id.
+    /// Id of the port.
     pub port: i64,
-    /// The value.
+    /// The set value.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub value: serde_json::Value,
-    /// Whether it is used instead of the library's default.
+    /// True to use the value instead of the library's default.
     pub used: bool,
 }
 
-/// States taken from a container, with what connects them: what *copy* gives and *paste* takes.
+/// States of a container and their connections: the result of *copy* and the argument of *paste*.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Selection {
-    /// The id of the container.
+    /// Id of the container.
     pub container: String,
-    /// The states with everything inside them; paths begin at the copied states, which stand in the order of the selection.
+    /// The states and their descendants. Paths begin at the copied states, which are in the order of the selection.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub states: Vec<StateDocument>,
     /// Scoped variables of the container.

@@ -1,10 +1,10 @@
-//! A document that is kept up by changes, as a client does it.
+//! A client's copy of a document, updated by changes.
 
 use super::{Change, Document, HeaderDocument, StateDocument};
 use rafcon_model::StatePath;
 use std::collections::BTreeMap;
 
-/// A machine as a client holds it: states by path.
+/// A machine as held by a client: states by path.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mirror {
     header: HeaderDocument,
@@ -12,25 +12,25 @@ pub struct Mirror {
 }
 
 impl Mirror {
-    /// Of a document.
+    /// Creates a mirror of a document.
     pub fn new(document: Document) -> Self {
         let states = document.states.into_iter();
         let states = states.map(|state| (StatePath::parse(&state.path), state)).collect();
         Self { header: document.header, states }
     }
 
-    /// The state at a path.
+    /// Returns the state at a path.
     pub fn state(&self, path: &str) -> Option<&StateDocument> {
         self.states.get(&StatePath::parse(path))
     }
 
-    /// All states, a state before its children.
+    /// Returns all states, each after its parent.
     pub fn states(&self) -> impl Iterator<Item = &StateDocument> {
         self.states.values()
     }
 
-    /// Makes one change. Those of a revision are made together: in between, a connection may lead to a state that is not yet
-    /// there.
+    /// Applies one change. The changes of a revision belong together: until all are applied, a connection may refer to a missing
+    /// state.
     pub fn apply(&mut self, change: Change) {
         match change {
             Change::Header { header } => self.header = header,
@@ -49,7 +49,7 @@ impl Mirror {
         }
     }
 
-    /// The document as it is now.
+    /// Returns the current document.
     pub fn document(&self) -> Document {
         Document { header: self.header.clone(), states: self.states.values().cloned().collect() }
     }
@@ -71,7 +71,7 @@ impl Mirror {
     }
 }
 
-/// Puts a connection in its place, or takes it out.
+/// Inserts, replaces or removes a connection.
 fn put<T>(list: &mut Vec<T>, id: i64, id_of: impl Fn(&T) -> i64, new: Option<T>) {
     match (list.binary_search_by_key(&id, &id_of), new) {
         (Ok(index), Some(new)) => list[index] = new,

@@ -1,8 +1,8 @@
-//! Machines as clients see them: a list of states by path, made for maps and for small changes (`docs/edits.md`, on the
-//! wire). Knows shapes and their meaning in the model, but not who asks, nor how they travel.
+//! Machines for clients: a list of states by path, suited to maps and to small changes (see "on the wire" in `docs/edits.md`).
+//! Defines the data types and their conversion, not the requests or the transport.
 //!
-//! The content of libraries is no part of a document: a library is a machine of its own, and one that stands in fifty places
-//! travels once.
+//! Documents do not contain the content of libraries. A library is a machine of its own, and is sent once even if it is used in
+//! fifty states.
 //!
 //! ```
 //! use rafcon_testkit::notation;

@@ -1,4 +1,4 @@
-//! From the model to documents. Never recurses, so that depth is no danger.
+//! Conversion from the model to documents. It is not recursive, so deep machines are safe.
 
 use super::value::{encode, encode_json};
 use super::{
@@ -14,27 +14,27 @@ use rafcon_model::{
 use serde_json::Value as Wire;
 
 impl Document {
-    /// Of a machine.
+    /// Creates the document of a machine.
     pub fn of(machine: &Machine) -> Self {
         Self { header: HeaderDocument::of(&machine.header), states: state_documents(&machine.root) }
     }
 }
 
-/// Every state of a machine but those inside libraries with its path, in the order of a document.
+/// Returns every state outside libraries with its path, in the order of a document.
 pub fn states_of(machine: &Machine) -> Vec<(String, &State)> {
     let mut states = Vec::new();
     walk(&machine.root, None, |path, state| states.push((path, state)));
     states
 }
 
-/// A state and everything inside it but libraries; paths begin at the state.
+/// Returns a state and its descendants outside libraries. Paths begin at the state.
 pub(crate) fn state_documents(state: &State) -> Vec<StateDocument> {
     let mut states = Vec::new();
     walk(state, None, |path, state| states.push(StateDocument::of(&path, state)));
     states
 }
 
-/// Visits a state and everything inside it but libraries, a state before its children.
+/// Visits a state and its descendants outside libraries, each state before its children.
 pub(super) fn walk<'s>(
     state: &'s State,
     parent: Option<&str>,
@@ -53,7 +53,7 @@ fn path_of(parent: Option<&str>, id: &StateId) -> String {
 }
 
 impl HeaderDocument {
-    /// Of a machine's header.
+    /// Creates the document of a machine's header.
     pub fn of(header: &Header) -> Self {
         Self {
             creation_time: header.creation_time.to_string(),
@@ -66,7 +66,7 @@ impl HeaderDocument {
 }
 
 impl StateDocument {
-    /// Of the state at `path`, with its connections.
+    /// Creates the document of the state at `path`, including its connections.
     pub fn of(path: &str, state: &State) -> Self {
         let mut document = Self::alone(path, state);
         if let Some(inside) = state.container() {
@@ -76,7 +76,7 @@ impl StateDocument {
         document
     }
 
-    /// Of the state at `path`, without its connections.
+    /// Creates the document of the state at `path`, without its connections.
     pub(super) fn alone(path: &str, state: &State) -> Self {
         let is_plain = !state.id.as_str().is_empty() && !state.id.as_str().contains('/');
         let variables = state.container().map(|inside| &inside.scoped_variables);
@@ -105,7 +105,7 @@ impl StateDocument {
 }
 
 impl StateKind {
-    /// Of the model's name of a kind.
+    /// Converts the model's name of a kind.
     pub fn of(name: KindName) -> Self {
         match name {
             KindName::Execution => Self::Execution,
@@ -153,7 +153,7 @@ impl PortDocument {
     }
 }
 
-/// The name of a type by which it is found again.
+/// Returns a name from which the type can be restored.
 pub(crate) fn type_name(data_type: &DataType) -> String {
     match data_type {
         DataType::Named(name) => name.to_string(),
@@ -162,7 +162,7 @@ pub(crate) fn type_name(data_type: &DataType) -> String {
 }
 
 impl TransitionDocument {
-    /// Of a transition.
+    /// Creates the document of a transition.
     pub fn of(transition: &Transition) -> Self {
         let text = |id: &Option<StateId>| id.as_ref().map(ToString::to_string);
         Self {
@@ -177,7 +177,7 @@ impl TransitionDocument {
 }
 
 impl DataFlowDocument {
-    /// Of a data flow.
+    /// Creates the document of a data flow.
     pub fn of(flow: &DataFlow) -> Self {
         Self {
             id: flow.id.0,
@@ -218,7 +218,7 @@ fn extra(extra: &Extra) -> Option<Wire> {
 }
 
 impl Selection {
-    /// Of the model's.
+    /// Creates the document of a selection.
     pub fn of(selection: &edit::Selection) -> Self {
         Self {
             container: selection.container.to_string(),

@@ -1,5 +1,5 @@
-//! From documents to the model. What they cannot be read as is refused with state and field; whether the result keeps the
-//! rules is for the model to say. Never recurses into states, so that depth is no danger.
+//! Conversion from documents to the model. Errors name the state and the field. The model checks the rules of the result. The
+//! conversion does not recurse into states, so deep machines are safe.
 
 use super::value::{decode, decode_json};
 use super::{
@@ -18,21 +18,21 @@ use serde_json::Value as Wire;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What to do with a library state that was read: look its content up, or [`leave`] it as it is.
+/// Action for each library state: load its content, or [`leave`] it without content.
 pub type OnLibrary<'l> = dyn FnMut(&mut State) + 'l;
 
-/// Leaves a library state as it was read: without its content.
+/// Leaves a library state without its content.
 pub fn leave(_library: &mut State) {}
 
-/// Why a document is no part of a machine.
+/// Reason why a document cannot be converted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path}, {field}: {what}")]
 pub struct DocumentError {
-    /// The state, or what holds it.
+    /// Path of the state, or its container.
     pub path: String,
-    /// The field of its document.
+    /// Field of the document.
     pub field: String,
-    /// What is wrong, and the way out.
+    /// Fault and remedy.
     pub what: String,
 }
 
@@ -43,14 +43,14 @@ impl DocumentError {
 }
 
 impl Document {
-    /// The machine; `library` looks up the content of each library state, or is [`leave`].
+    /// Converts the document. `library` loads the content of each library state, or is [`leave`].
     pub fn read(&self, library: &mut OnLibrary<'_>) -> Result<Machine, DocumentError> {
         Ok(Machine { header: self.header.read()?, root: state_tree(&self.states, library)? })
     }
 }
 
 impl HeaderDocument {
-    /// The header of the model.
+    /// Converts the header to the model.
     pub(crate) fn read(&self) -> Result<Header, DocumentError> {
         let place = Place("the machine");
         Ok(Header {
@@ -63,7 +63,7 @@ impl HeaderDocument {
     }
 }
 
-/// One state with everything inside it.
+/// Converts one state with its descendants.
 pub(crate) fn state_tree(
     documents: &[StateDocument],
     library: &mut OnLibrary<'_>,
@@ -79,7 +79,7 @@ pub(crate) fn state_tree(
     }
 }
 
-/// The outermost states with everything inside them, in their order.
+/// Converts the outermost states with their descendants, in their order.
 fn forest(
     documents: &[StateDocument],
     library: &mut OnLibrary<'_>,
@@ -109,7 +109,7 @@ fn forest(
     join(open)
 }
 
-/// Puts each state into its parent, the last first, so that each is whole when it goes.
+/// Inserts each state into its parent, the last first, so that each is complete when it is inserted.
 fn join(mut open: Vec<(Option<usize>, State)>) -> Result<Vec<Arc<State>>, DocumentError> {
     let mut outermost = Vec::new();
     while let Some((parent, state)) = open.pop() {
@@ -129,7 +129,7 @@ fn join(mut open: Vec<(Option<usize>, State)>) -> Result<Vec<Arc<State>>, Docume
 }
 
 impl StateDocument {
-    /// The path of its parent, and the state without children.
+    /// Returns the path of the parent, and the state without children.
     fn read(&self, library: &mut OnLibrary<'_>) -> Result<(Option<&str>, State), DocumentError> {
         let place = Place(&self.path);
         let (parent, id) = self.split()?;
@@ -215,7 +215,7 @@ impl StateDocument {
     }
 }
 
-/// The state that is being read, for errors.
+/// Path of the state being converted, for errors.
 #[derive(Clone, Copy)]
 struct Place<'p>(&'p str);
 
@@ -319,7 +319,7 @@ fn runtime_values(
 }
 
 impl Selection {
-    /// The selection of the model.
+    /// Converts the selection to the model.
     pub(crate) fn read(
         &self,
         library: &mut OnLibrary<'_>,

@@ -1,4 +1,4 @@
-//! Any machine, any edits: documents say all of it, and changes lead from one to the next.
+//! Any machine and any edits: documents hold everything, and changes lead from one to the next.
 
 use super::{Document, Mirror, changes, leave};
 use expect_test::{Expect, expect};
@@ -151,7 +151,7 @@ fn what_is_nested_too_deep_is_refused() {
     assert_eq!(refused.what, "it is nested deeper than 1024 levels; take levels out");
 }
 
-/// Ids that no path can hold are said beside it, and depth is no danger.
+/// Ids that a path cannot express are stored beside it, and deep machines are safe.
 #[test]
 fn faulty_ids_and_deep_machines_come_back() {
     let mut deep = machine("hierarchy ROOT\n  execution AAAAAA");

@@ -1,5 +1,5 @@
-//! Values of a machine as JSON that comes back from a browser as it was (`docs/edits.md`, values). Knows the two dialects;
-//! never what a value is for.
+//! Values of a machine as JSON that a browser returns unchanged (see "values" in `docs/edits.md`). Converts between the two
+//! encodings, whatever a value is used for.
 
 use rafcon_model::{Json, Value};
 use serde_json::{Map, Value as Wire, json};
@@ -13,10 +13,10 @@ const TYPE: &str = "__type__";
 const OBJECT: &str = "__object__";
 /// The largest integer that JavaScript holds exactly.
 const EXACT: u64 = (1 << 53) - 1;
-/// Deeper values are refused, so that whatever contains them can be read again.
+/// Maximum nesting depth. Deeper values are refused, so that everything that contains them can be read again.
 const DEPTH_MAX: usize = 96;
 
-/// A value of the model for a client.
+/// Encodes a value of the model for a client.
 pub(crate) fn encode(value: &Value) -> Wire {
     match value {
         Value::None => Wire::Null,
@@ -34,7 +34,7 @@ pub(crate) fn encode(value: &Value) -> Wire {
     }
 }
 
-/// A document of the model for a client.
+/// Encodes a JSON document of the model for a client.
 pub(crate) fn encode_json(value: &Json) -> Wire {
     match value {
         Json::Null => Wire::Null,
@@ -62,7 +62,7 @@ fn int(number: i64) -> Wire {
     }
 }
 
-/// JavaScript writes `1.0` as `1`, and has no text for what is not finite.
+/// Marks floats that JSON and JavaScript would change: JavaScript writes `1.0` as `1`, and JSON has no NaN or infinity.
 fn float(number: f64) -> Wire {
     match serde_json::Number::from_f64(number) {
         Some(exact) if number.fract() != 0.0 => Wire::Number(exact),
@@ -70,7 +70,7 @@ fn float(number: f64) -> Wire {
     }
 }
 
-/// A plain object if its members keep their order and meaning wherever it goes; pairs if not.
+/// Encodes a dict as a plain object if the order and meaning of its members survive every transport, or else as pairs.
 fn dict(pairs: impl Iterator<Item = (Wire, Wire)>) -> Wire {
     let pairs: Vec<(Wire, Wire)> = pairs.collect();
     let key = |pair: &(Wire, Wire)| pair.0.as_str().map(str::to_owned);
@@ -88,13 +88,13 @@ fn dict(pairs: impl Iterator<Item = (Wire, Wire)>) -> Wire {
     }
 }
 
-/// A client's value for the model; the error says what is wrong with it.
+/// Decodes a client's value. The error describes the fault.
 pub(crate) fn decode(value: &Wire) -> Result<Value, String> {
     shallow(value)?;
     read(value)
 }
 
-/// A client's document for the model.
+/// Decodes a client's JSON document.
 pub(crate) fn decode_json(value: &Wire) -> Result<Json, String> {
     shallow(value)?;
     read_json(value)
@@ -151,7 +151,7 @@ fn read_object(members: &Map<String, Wire>) -> Result<Value, String> {
     })
 }
 
-/// The keys of a dict that a file can hold.
+/// Decodes a key of a dict. Only types that a file can hold are accepted.
 fn read_key(key: &Wire) -> Result<Value, String> {
     match read(key)? {
         key @ (Value::Int(_) | Value::Str(_)) => Ok(key),
@@ -191,7 +191,7 @@ fn read_json(value: &Wire) -> Result<Json, String> {
     })
 }
 
-/// The tag of an object that stands for something else, and what is under it.
+/// Returns the tag and the content of an object that encodes another value.
 fn tagged(members: &Map<String, Wire>) -> Option<(&'static str, &Wire)> {
     const TAGS: [&str; 7] = [INT, FLOAT, TUPLE, SET, DICT, TYPE, OBJECT];
     let (key, inner) = members.iter().next().filter(|_| members.len() == 1)?;

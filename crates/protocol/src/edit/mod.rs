@@ -1,5 +1,6 @@
-//! Edits as clients send them: one JSON object each, told apart by its `edit` (`docs/edits.md`, on the wire).
-//! Knows what the model's edits look like on the wire, but not what they do.
+//! Edits that clients send. Each edit is one JSON object, and its `edit` field names its type (see "on the wire" in
+//! `docs/edits.md`).
+//! This module knows the encoding of the model's edits, not their effects.
 //!
 //! ```
 //! use rafcon_protocol::edit::Edit;
@@ -21,394 +22,394 @@ pub use read::EditFault;
 use crate::document::{HeaderDocument, LayoutDocument, Selection, StateDocument, StateKind};
 use serde::{Deserialize, Serialize};
 
-/// A change of a machine. `path` is that of the state that has the changed part: for transitions, data flows and children
-/// that of the container.
+/// A change of a machine. `path` names the state that owns the changed part: the container for transitions, data flows and
+/// children.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[cfg_attr(feature = "schema", schema(no_recursion))]
 #[serde(tag = "edit", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Edit {
-    /// Gives a state another name.
+    /// Renames a state.
     SetName {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its name from now on.
+        /// New name of the state.
         name: String,
     },
-    /// Gives a state another id; its connections follow.
+    /// Changes the id of a state. Its connections are updated.
     SetId {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its id from now on.
+        /// New id of the state.
         id: String,
     },
-    /// Sets or removes the description.
+    /// Sets or removes the description of a state.
     SetDescription {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Markdown; none removes it.
+        /// Description in Markdown. Empty to remove it.
         #[serde(default)]
         description: Option<String>,
     },
     /// Sets or removes the user's notes.
     SetSemanticData {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// An object; none removes them.
+        /// JSON object with the notes. Empty to remove them.
         #[serde(default)]
         semantic_data: Option<serde_json::Value>,
     },
     /// Sets or removes the script of an execution state or decider.
     SetScript {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Python; none removes it.
+        /// Python source. Empty to remove it.
         #[serde(default)]
         script: Option<String>,
     },
-    /// Makes it a state of another kind.
+    /// Converts a state to another kind.
     SetKind {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// The kind: execution, hierarchy, barrier or preemptive.
+        /// New kind: execution, hierarchy, barrier or preemptive.
         kind: StateKind,
     },
     /// Adds an outcome.
     AddOutcome {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its id, which nothing else has.
+        /// Id of the outcome, unused in this state.
         outcome: i64,
-        /// Its name.
+        /// Name of the outcome.
         name: String,
     },
-    /// Gives an outcome another name.
+    /// Renames an outcome.
     RenameOutcome {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its id.
+        /// Id of the outcome.
         outcome: i64,
-        /// Its name from now on.
+        /// New name of the outcome.
         name: String,
     },
-    /// Removes an outcome with its transitions.
+    /// Removes an outcome and its transitions.
     RemoveOutcome {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its id.
+        /// Id of the outcome.
         outcome: i64,
     },
     /// Adds a port or scoped variable.
     AddPort {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// In which list.
+        /// List that contains the port.
         list: PortList,
-        /// Its id, which no other port or scoped variable of the state has.
+        /// Id that no other port or scoped variable of the state has.
         port: i64,
-        /// Its name.
+        /// Name of the port or scoped variable.
         name: String,
-        /// Its type: `int`, `numpy.ndarray`.
+        /// Python type, such as `int` or `numpy.ndarray`.
         data_type: String,
-        /// Its default.
+        /// Default value of the port or scoped variable.
         #[serde(default)]
         default: serde_json::Value,
     },
-    /// Gives a port or scoped variable another name.
+    /// Renames a port or scoped variable.
     RenamePort {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// In which list.
+        /// List that contains the port.
         list: PortList,
-        /// Its id.
+        /// Id of the port.
         port: i64,
-        /// Its name from now on.
+        /// New name of the port or scoped variable.
         name: String,
     },
-    /// Gives a port or scoped variable another type.
+    /// Changes the type of a port or scoped variable.
     SetPortType {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// In which list.
+        /// List that contains the port.
         list: PortList,
-        /// Its id.
+        /// Id of the port.
         port: i64,
-        /// Its type from now on.
+        /// New Python type, such as `int`.
         data_type: String,
     },
-    /// Gives a port or scoped variable another default.
+    /// Changes the default of a port or scoped variable.
     SetPortDefault {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// In which list.
+        /// List that contains the port.
         list: PortList,
-        /// Its id.
+        /// Id of the port.
         port: i64,
-        /// Its default from now on.
+        /// New default value of the port or scoped variable.
         #[serde(default)]
         default: serde_json::Value,
     },
-    /// Removes a port or scoped variable with its data flows.
+    /// Removes a port or scoped variable and its data flows.
     RemovePort {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// In which list.
+        /// List that contains the port.
         list: PortList,
-        /// Its id.
+        /// Id of the port.
         port: i64,
     },
-    /// Adds a transition.
+    /// Adds a transition to a container.
     AddTransition {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id, which no other transition there has.
+        /// Id that no other transition of the container has.
         transition: i64,
-        /// Where it begins; none: at the income of the container.
+        /// Outcome at which it starts. Empty for the income of the container.
         #[serde(default)]
         from: Option<OutcomeOf>,
-        /// Where it leads.
+        /// Target of the transition.
         to: Goal,
     },
-    /// Lets a transition begin elsewhere.
+    /// Moves the start of a transition.
     SetTransitionOrigin {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the transition.
         transition: i64,
-        /// Where it begins; none: at the income of the container.
+        /// Outcome at which it starts. Empty for the income of the container.
         #[serde(default)]
         from: Option<OutcomeOf>,
     },
-    /// Lets a transition lead elsewhere.
+    /// Moves the end of a transition.
     SetTransitionTarget {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the transition.
         transition: i64,
-        /// Where it leads.
+        /// Target of the transition.
         to: Goal,
     },
-    /// Removes a transition.
+    /// Removes a transition from a container.
     RemoveTransition {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the transition.
         transition: i64,
     },
-    /// Adds a data flow.
+    /// Adds a data flow to a container.
     AddDataFlow {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id, which no other data flow there has.
+        /// Id that no other data flow of the container has.
         data_flow: i64,
-        /// Where it begins.
+        /// Port that it reads.
         from: PortOf,
-        /// Where it ends.
+        /// Port that it writes.
         to: PortOf,
     },
-    /// Lets a data flow begin elsewhere.
+    /// Moves the start of a data flow.
     SetDataFlowSource {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the data flow.
         data_flow: i64,
-        /// Where it begins.
+        /// Port that it reads.
         from: PortOf,
     },
-    /// Lets a data flow end elsewhere.
+    /// Moves the end of a data flow.
     SetDataFlowTarget {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the data flow.
         data_flow: i64,
-        /// Where it ends.
+        /// Port that it writes.
         to: PortOf,
     },
-    /// Removes a data flow.
+    /// Removes a data flow from a container.
     RemoveDataFlow {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Its id.
+        /// Id of the data flow.
         data_flow: i64,
     },
-    /// Sets a value for a port of a library state, and uses it.
+    /// Sets a value for a port of a library state and activates it.
     SetRuntimeValue {
-        /// The library state.
+        /// Path of the library state.
         path: String,
-        /// In which list the port is.
+        /// List that contains the port.
         list: PortList,
-        /// The port's id.
+        /// Id of the port.
         port: i64,
-        /// The value.
+        /// Value that replaces the library's default.
         #[serde(default)]
         value: serde_json::Value,
     },
-    /// Uses the value that is set for a port of a library state, or the default of the library.
+    /// Selects the value set for a port of a library state, or the library's default.
     UseRuntimeValue {
-        /// The library state.
+        /// Path of the library state.
         path: String,
-        /// In which list the port is.
+        /// List that contains the port.
         list: PortList,
-        /// The port's id.
+        /// Id of the port.
         port: i64,
-        /// Whether the value is used.
+        /// Use the set value (true) or the library's default (false).
         used: bool,
     },
-    /// Removes the value for a port of a library state.
+    /// Removes the value set for a port of a library state.
     RemoveRuntimeValue {
-        /// The library state.
+        /// Path of the library state.
         path: String,
-        /// In which list the port is.
+        /// List that contains the port.
         list: PortList,
-        /// The port's id.
+        /// Id of the port.
         port: i64,
     },
-    /// Moves something on the screen.
+    /// Moves an element of the layout.
     SetPosition {
-        /// The state whose layout it stands in.
+        /// Path of the state whose layout contains the element.
         path: String,
-        /// What moves.
+        /// The element to move.
         element: Element,
         /// x and y (downwards), in the coordinates of the file.
         position: [f64; 2],
     },
-    /// Sets the size of a state or its name.
+    /// Resizes a state or its name.
     SetSize {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// What is resized.
+        /// The element to resize.
         element: Element,
-        /// Width and height.
+        /// Width and height, in the coordinates of the file.
         size: [f64; 2],
     },
-    /// Sets the points between the ends of a transition or data flow.
+    /// Sets the waypoints of a transition or data flow.
     SetWaypoints {
-        /// The container.
+        /// Path of the container.
         path: String,
         /// The transition or data flow.
         element: Element,
-        /// x and y of each.
+        /// x and y of each waypoint.
         waypoints: Vec<[f64; 2]>,
     },
-    /// Sets the whole layout of a state.
+    /// Replaces the whole layout of a state.
     SetLayout {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// The layout; none removes it.
+        /// The new layout. Empty to remove it.
         #[serde(default)]
         layout: Option<LayoutDocument>,
     },
-    /// Adds a state with everything inside it.
+    /// Adds a state and its descendants.
     AddState {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// The state, then what stands inside it; the path of the first is its id.
+        /// The state, then its descendants. The path of the first is its id.
         states: Vec<StateDocument>,
     },
-    /// Removes a state with its connections and everything inside it.
+    /// Removes a state, its connections and its descendants.
     RemoveState {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// The state's id.
+        /// Id of the state.
         state: String,
     },
-    /// Sets or removes where a hierarchy starts.
+    /// Sets or removes the start of a hierarchy.
     SetStart {
-        /// The hierarchy.
+        /// Path of the hierarchy.
         path: String,
-        /// Where; none removes the start.
+        /// Target of the start transition. Empty to remove it.
         #[serde(default)]
         to: Option<Goal>,
     },
-    /// Puts states and scoped variables into a new hierarchy.
+    /// Groups states and scoped variables into a new hierarchy.
     Group {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// Ids of the states.
+        /// Ids of the states to group.
         states: Vec<String>,
-        /// Ids of scoped variables that go with them.
+        /// Ids of the scoped variables to move with the states.
         #[serde(default)]
         scoped_variables: Vec<i64>,
-        /// The id of the new hierarchy.
+        /// Id of the new hierarchy.
         id: String,
-        /// Its name.
+        /// Name of the new hierarchy.
         name: String,
     },
-    /// Puts the children of a container in its place.
+    /// Replaces a container by its children.
     Ungroup {
-        /// The container around it.
+        /// Path of the parent of the container.
         path: String,
-        /// Its id.
+        /// Id of the container to remove.
         state: String,
-        /// Ids for children whose own id is taken, used in turn.
+        /// Ids, used in order, for children whose own id is taken.
         #[serde(default)]
         fresh: Vec<String>,
     },
-    /// Puts a state in the place of another.
+    /// Replaces a state by another one.
     SubstituteState {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// The id of the state that goes.
+        /// Id of the state to replace.
         state: String,
-        /// The state that comes, then what stands inside it; the path of the first is its id.
+        /// The new state, then its descendants. The path of the first is its id.
         states: Vec<StateDocument>,
     },
-    /// Moves states to another container, with the connections between them.
+    /// Moves states and the connections between them to another container.
     MoveStates {
-        /// The container.
+        /// Path of the container that the states leave.
         path: String,
-        /// Ids of the states.
+        /// Ids of the states to move.
         states: Vec<String>,
-        /// The path of the other container.
+        /// Path of the target container.
         to: String,
-        /// New ids, in the order of the states; those without one keep theirs.
+        /// New ids, in the order of `states`. States without a new id keep theirs.
         #[serde(default)]
         ids: Vec<String>,
     },
-    /// Adds copies of states.
+    /// Adds copies of states to a container.
     Paste {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// What was copied.
+        /// The copied states and their connections.
         selection: Selection,
-        /// New ids, in the order of the copied states; those without one keep theirs.
+        /// New ids, in the order of the copied states. States without a new id keep theirs.
         #[serde(default)]
         ids: Vec<String>,
     },
     /// Sets or removes the user's version of the machine.
     SetVersion {
-        /// The version; none removes it.
+        /// The new version. Empty to remove it.
         #[serde(default)]
         version: Option<String>,
     },
-    /// Sets the layout of the machine as a whole.
+    /// Sets or removes the machine's own layout.
     SetMachineLayout {
-        /// The layout; none removes it.
+        /// The new layout. Empty to remove it.
         #[serde(default)]
         layout: Option<LayoutDocument>,
     },
-    /// Sets everything that is said of the machine as a whole.
+    /// Replaces the machine's header.
     SetHeader {
-        /// All of it.
+        /// The whole new header.
         header: HeaderDocument,
     },
-    /// Several edits, one after the other; all or none.
+    /// Applies several edits in order: all of them or none.
     Batch {
-        /// The edits.
+        /// The edits, in order.
         edits: Vec<Self>,
     },
 }
 
-/// In which list of a state a port stands.
+/// The list of a state that contains a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum PortList {
-    /// What the state takes.
+    /// Inputs of the state.
     Input,
-    /// What the state gives.
+    /// Outputs of the state.
     Output,
-    /// What the children of a container share.
+    /// Variables that the children of a container share.
     ScopedVariable,
 }
 
@@ -416,13 +417,13 @@ pub enum PortList {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct OutcomeOf {
-    /// The child's id.
+    /// Id of the child.
     pub state: String,
-    /// The outcome's id.
+    /// Id of the outcome.
     pub outcome: i64,
 }
 
-/// Where a transition leads: `{"state": id}` of a child, or `{"outcome": id}` of the container.
+/// Target of a transition: `{"state": id}` for a child, or `{"outcome": id}` of the container.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -433,38 +434,37 @@ pub enum Goal {
     Outcome(i64),
 }
 
-/// A port of a child, or of the container itself.
+/// A port of a child or of the container itself.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PortOf {
-    /// The state's id.
+    /// Id of the child or container.
     pub state: String,
-    /// The port's id.
+    /// Id of the port.
     pub port: i64,
 }
 
-/// Something with a place of its own in the layout of a state: `"state"`, `"name"`, `"income"`, or `{"outcome": id}` and the
-/// like.
+/// An element of a state's layout with its own position: `"state"`, `"name"`, `"income"`, `{"outcome": id}` and so on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Element {
-    /// The state itself, in its parent.
+    /// The state itself, inside its parent.
     State,
-    /// The box with its name, inside the state.
+    /// The box with the state's name, inside the state.
     Name,
-    /// Where it is entered, on its border.
+    /// The income, on the state's border.
     Income,
-    /// An outcome, on its border.
+    /// An outcome, on the state's border.
     Outcome(i64),
-    /// An input, on its border.
+    /// An input, on the state's border.
     Input(i64),
-    /// An output, on its border.
+    /// An output, on the state's border.
     Output(i64),
-    /// A scoped variable, inside it.
+    /// A scoped variable, inside the state.
     ScopedVariable(i64),
-    /// A transition inside it.
+    /// A transition, inside the state.
     Transition(i64),
-    /// A data flow inside it.
+    /// A data flow, inside the state.
     DataFlow(i64),
 }

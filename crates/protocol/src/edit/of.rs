@@ -1,4 +1,4 @@
-//! From the model's edits to those on the wire.
+//! Conversion from the model's edits to wire edits.
 
 use super::{Edit, Element, Goal, OutcomeOf, PortList, PortOf};
 use crate::document::{
@@ -12,7 +12,7 @@ use rafcon_model::edit::{
 use rafcon_model::{Origin, PortId, PortKind, StateId, Target};
 
 impl Edit {
-    /// Of the model's; `None` for one that takes another back, which is nothing to send.
+    /// Converts an edit of the model. `None` for the inverse of another edit, which is never sent.
     pub fn of(edit: &Model) -> Option<Self> {
         Some(match edit {
             Model::State(path, edit) => state(path.to_string(), edit),
@@ -207,7 +207,7 @@ impl PortOf {
 }
 
 impl PortList {
-    /// Of the model's kind of port.
+    /// Converts the model's kind of port.
     pub fn of(kind: PortKind) -> Self {
         match kind {
             PortKind::Input => Self::Input,

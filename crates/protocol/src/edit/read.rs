@@ -1,5 +1,4 @@
-//! From edits on the wire to the model's. What cannot be read is refused with the field; whether the edit is legal is for
-//! the model to say.
+//! Conversion from wire edits to the model's. Errors name the field. The model checks that the edit is legal.
 
 use super::{Edit, Element, Goal, OutcomeOf, PortList, PortOf};
 use crate::document::{
@@ -15,35 +14,35 @@ use rafcon_model::{
 };
 use std::sync::Arc;
 
-/// Batches within batches beyond this are refused.
+/// Maximum nesting of batches.
 const NESTING_MAX: usize = 4;
 
-/// Why an edit cannot be read: which field, what is wrong, and the way out.
+/// Reason why an edit cannot be converted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{field}` of the edit: {what}")]
 pub struct EditFault {
-    /// The field.
+    /// Field of the edit.
     pub field: &'static str,
-    /// What is wrong.
+    /// Fault and remedy.
     pub what: String,
 }
 
 impl TryFrom<&Edit> for Model {
     type Error = EditFault;
 
-    /// The model's edit; library states are left without content.
+    /// Converts the edit. Library states are left without content.
     fn try_from(edit: &Edit) -> Result<Self, EditFault> {
         edit.read(&mut leave)
     }
 }
 
 impl Edit {
-    /// The model's edit; `library` looks up the content of each library state in it.
+    /// Converts the edit. `library` loads the content of each library state in it.
     pub fn read(&self, library: &mut OnLibrary<'_>) -> Result<Model, EditFault> {
         self.read_nested(library, 0)
     }
 
-    /// An edit is one of four families, each of which takes on the next.
+    /// Tries the four families of edits in turn. Each passes other edits to the next.
     fn read_nested(&self, library: &mut OnLibrary<'_>, depth: usize) -> Result<Model, EditFault> {
         match self {
             Self::Batch { .. } if depth >= NESTING_MAX => {

@@ -1,4 +1,4 @@
-//! Any edit comes back from the wire as it was; what is no edit is refused with the field.
+//! Edits survive the way to the wire and back. Invalid edits are refused with the field.
 
 use super::Edit;
 use crate::document::tests::{START, machine};
