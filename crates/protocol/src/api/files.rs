@@ -1,78 +1,78 @@
-//! Projects and libraries as they lie on disk, the versions that git has of a machine, and where a library is used.
+//! Projects and libraries on disk, git versions of a machine, and usages of a library.
 
 use serde::{Deserialize, Serialize};
 
-/// A folder that the server was started with.
+/// A project folder of the server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Project {
-    /// Names it in requests; unique on the server.
+    /// Id for requests, unique on the server.
     pub id: String,
-    /// Its folder's name, for people.
+    /// Name of the folder, for people.
     pub name: String,
-    /// Where it lies, for people.
+    /// Path of the folder, for people.
     pub folder: String,
 }
 
-/// A folder of a project.
+/// A node in the tree of a project.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[cfg_attr(feature = "schema", schema(no_recursion))]
 pub struct FileNode {
-    /// Its name.
+    /// Name of the folder.
     pub name: String,
-    /// From the project's folder on, joined by `/`.
+    /// Path from the project's folder, joined by `/`.
     pub path: String,
-    /// What it is.
+    /// Kind of folder.
     pub kind: NodeKind,
-    /// What is inside a folder; a machine is shown as one.
+    /// Content of a folder. A machine has no children.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<Self>,
-    /// Whether not everything inside is told: ask for the tree from its path on.
+    /// True if the content is incomplete. Request the tree from this path.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_cut: bool,
 }
 
-/// What a folder of a project is.
+/// Kind of folder in a project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum NodeKind {
-    /// Holds others.
+    /// A folder with other folders.
     Folder,
-    /// A state machine.
+    /// The folder of a state machine.
     Machine,
 }
 
-/// Which part of a project's tree is asked for.
+/// Selects a part of a project's tree.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct TreeFrom {
-    /// From this folder on, joined by `/`; left out: the whole project.
+    /// Path of the folder to start from, joined by `/`. Empty for the whole project.
     #[serde(default)]
     pub path: String,
 }
 
-/// Where a machine lies.
+/// Location of a machine.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineFile {
-    /// The project's id.
+    /// Id of the project.
     pub project: String,
-    /// The machine's folder, from the project's folder on, joined by `/`.
+    /// Path of the machine's folder from the project's folder, joined by `/`.
     pub path: String,
 }
 
-/// A root of libraries, as the configuration or the command line names it.
+/// A library root from the configuration or the command line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LibraryRoot {
-    /// Its name: the first part of a library path.
+    /// Name of the root: the first part of a library path.
     pub name: String,
-    /// Where it lies, for people.
+    /// Path of the folder, for people.
     pub folder: String,
-    /// What is in it.
+    /// Libraries and folders in it.
     pub children: Vec<LibraryNode>,
 }
 
@@ -81,35 +81,35 @@ pub struct LibraryRoot {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[cfg_attr(feature = "schema", schema(no_recursion))]
 pub struct LibraryNode {
-    /// Its name: the last part of a library path.
+    /// Name of the folder: one part of a library path.
     pub name: String,
-    /// What it is.
+    /// Kind of folder.
     pub kind: LibraryNodeKind,
-    /// What is inside a folder.
+    /// Content of a folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<Self>,
 }
 
-/// What a folder of a library root is.
+/// Kind of folder in a library root.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum LibraryNodeKind {
-    /// Holds others.
+    /// A folder with other folders.
     Folder,
     /// A state machine that can be used as a state.
     Library,
 }
 
-/// The versions of a machine, as far as git knows them.
+/// Git versions of a machine.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineVersions {
-    /// Whether the machine's folder lies in a git repository, and there is a git to ask.
+    /// True if the machine's folder is in a git repository and git is available.
     pub is_git: bool,
     /// Commits that touched the folder, the newest first.
     pub versions: Vec<MachineVersion>,
-    /// Whether there are older ones that are not told.
+    /// True if there are older commits that are not listed.
     pub is_cut: bool,
 }
 
@@ -117,44 +117,44 @@ pub struct MachineVersions {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineVersion {
-    /// Its hash, in hexadecimal.
+    /// Hash of the commit, in hexadecimal.
     pub commit: String,
-    /// Who wrote it.
+    /// Author of the commit.
     pub author: String,
-    /// When it was written: ms since 1970, UTC.
+    /// Time of the commit: ms since 1970, UTC.
     pub at_ms: u64,
-    /// The first line of its message.
+    /// First line of the commit message.
     pub subject: String,
 }
 
-/// How library states name a library.
+/// Library reference in a library state.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LibraryName {
-    /// A library root and the folders below it, joined by `/`.
+    /// Library root and the folders below it, joined by `/`.
     pub path: String,
-    /// The folder of the library.
+    /// Name of the library's folder.
     pub name: String,
 }
 
-/// Which library's usages are asked for.
+/// Selects the library whose usages are requested.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct UsagesOf {
-    /// A library root and the folders below it, joined by `/`.
+    /// Library root and the folders below it, joined by `/`.
     pub path: String,
-    /// The folder of the library.
+    /// Name of the library's folder.
     pub name: String,
 }
 
-/// Where a library is used.
+/// Usages of a library.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LibraryUsages {
-    /// In open machines as they are now, then in files of projects and library roots.
+    /// Usages in the current content of open machines, then in files of projects and library roots.
     pub usages: Vec<LibraryUsage>,
-    /// Whether there are more, or more files than are looked at.
+    /// True if the list is incomplete, or the search stopped at its file limit.
     pub is_cut: bool,
 }
 
@@ -162,14 +162,14 @@ pub struct LibraryUsages {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LibraryUsage {
-    /// The open machine with it; none: it was found in files.
+    /// Id of the open machine. Empty for a usage found in files.
     pub machine: Option<String>,
-    /// The machine with it; none if it lies in no project.
+    /// Location of the machine. Empty outside projects.
     pub file: Option<MachineFile>,
-    /// The library with it; none if it lies below no library root.
+    /// Library that contains the state. Empty outside library roots.
     pub library: Option<LibraryName>,
-    /// The state: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// The names of the states on the path, the root's first.
+    /// Names of the states on the path, from the root.
     pub names: Vec<String>,
 }

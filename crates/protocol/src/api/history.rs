@@ -1,50 +1,50 @@
-//! What is asked about the past of a run, and how it is answered page by page. Times of a run count from its start.
+//! Queries about the history of a run, and their results by page. Times count from the start of the run.
 
 use crate::{LogLevel, Stream};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// Which events are wanted. What is left out limits nothing.
+/// Filter for events. Empty fields do not filter.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct EventQuery {
-    /// The first that is looked at; counts from 1.
+    /// First event to search, counted from 1.
     pub from: u64,
-    /// At most so many; 1000 is the most, and what is given if it is left out.
+    /// Maximum number of events. The default and the upper limit are 1000.
     pub count: Option<u32>,
-    /// With inputs and outputs of states, their errors as a whole, and the events that are nothing but a value.
+    /// True to include inputs, outputs and complete errors of states, and events that only carry a value.
     pub values: bool,
-    /// Of states with this in their path of names or ids; with `*` or `?`, that are this as a whole.
+    /// Text in the state's path, by ids or names. With `*` or `?`, a pattern for the whole path.
     pub state: Option<String>,
-    /// Of these kinds, joined by commas.
+    /// Types of events, joined by commas.
     pub kinds: Option<String>,
-    /// Ends by this outcome: name or id.
+    /// Outcome of an end, by name or id.
     pub outcome: Option<String>,
-    /// With this text in them, whatever its case.
+    /// Text in the event, in any case.
     pub text: Option<String>,
-    /// From this time on, in ms.
+    /// Earliest time, in ms.
     pub since_ms: Option<u64>,
-    /// Up to this time, in ms.
+    /// Latest time, in ms.
     pub until_ms: Option<u64>,
 }
 
-/// Which lines of the log are wanted. What is left out limits nothing.
+/// Filter for lines of the log. Empty fields do not filter.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct LogQuery {
-    /// The first event that is looked at; counts from 1.
+    /// First event to search, counted from 1.
     pub from: u64,
-    /// At most so many lines; 1000 is the most, and what is given if it is left out.
+    /// Maximum number of lines. The default and the upper limit are 1000.
     pub count: Option<u32>,
-    /// That matter at least so much.
+    /// Lowest severity to include.
     pub level: Option<LogLevel>,
-    /// Of states with this in their path of names or ids; with `*` or `?`, that are this as a whole.
+    /// Text in the state's path, by ids or names. With `*` or `?`, a pattern for the whole path.
     pub state: Option<String>,
-    /// With this text in them, whatever its case.
+    /// Text in the line, in any case.
     pub text: Option<String>,
 }
 
@@ -52,11 +52,11 @@ pub struct LogQuery {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LogPage {
-    /// The lines, in order.
+    /// The lines in order.
     pub lines: Vec<LogLine>,
-    /// Where the next page begins: everything before was looked at. Beyond `last`, there is no more so far.
+    /// First event of the next page. All earlier events have been searched. If it is beyond `last`, no more events exist yet.
     pub next: u64,
-    /// The last event that there is so far.
+    /// Last event that exists at present.
     pub last: u64,
 }
 
@@ -64,76 +64,76 @@ pub struct LogPage {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LogLine {
-    /// The event.
+    /// Sequence number of the event.
     pub sequence: u64,
     /// Time since the start of the run, in ns.
     pub t_ns: u64,
-    /// The state that wrote it: ids joined by `/`; empty if none did.
+    /// Path of the state that wrote it: ids joined by `/`. Empty if no state did.
     pub path: String,
-    /// The same by names.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// How much it matters.
+    /// Severity of the line.
     pub level: LogLevel,
-    /// Where it came from.
+    /// Source of the line.
     pub stream: Stream,
-    /// The text.
+    /// Text of the line.
     pub message: String,
 }
 
-/// Which moment is meant.
+/// Selects a moment of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct MomentQuery {
-    /// The one at this time, in ms; if it is left out, the last.
+    /// Time of the moment, in ms. The default is the last moment.
     pub t_ms: Option<u64>,
-    /// The same in ns.
+    /// Time of the moment, in ns.
     pub t_ns: Option<u64>,
 }
 
-/// Which machine of a run is meant.
+/// Selects a machine of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct KeptMachineQuery {
-    /// Its hash, as an event `root` or a moment says it; if it is left out, the one that the run began with.
+    /// Hash of the machine, from a `root` event or a moment. The default is the machine at the start of the run.
     pub root: Option<String>,
-    /// Instead of the machine itself, the content of a library that it uses: path and name of the library, joined by `/`.
+    /// Library whose content is requested instead of the machine: its path and name, joined by `/`.
     pub library: Option<String>,
 }
 
-/// How a run is written, and which of its events are; what is left out limits nothing.
+/// Format of an export, and a filter for its events. Empty fields do not filter.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct ExportQuery {
-    /// In which format.
+    /// Format of the export.
     #[cfg_attr(feature = "schema", param(inline))]
     pub format: ExportFormat,
-    /// Lines and tables: of states with this in their path of names or ids; with `*` or `?`, that are this as a whole.
+    /// Lines and tables: text in the state's path, by ids or names. With `*` or `?`, a pattern for the whole path.
     pub state: Option<String>,
-    /// Lines and tables: of these kinds, joined by commas.
+    /// Lines and tables: types of events, joined by commas.
     pub kinds: Option<String>,
-    /// Lines and tables: ends by this outcome, name or id.
+    /// Lines and tables: outcome of an end, by name or id.
     pub outcome: Option<String>,
-    /// Lines and tables: with this text in them, whatever its case.
+    /// Lines and tables: text in the event, in any case.
     pub text: Option<String>,
-    /// Lines and tables: of lines of the log those that matter at least so much.
+    /// Lines and tables: lowest severity of log lines to include.
     pub level: Option<LogLevel>,
-    /// Lines and tables: from this time on, in ns.
+    /// Lines and tables: earliest time, in ns.
     pub since_ns: Option<u64>,
-    /// Lines and tables: up to this time, in ns.
+    /// Lines and tables: latest time, in ns.
     pub until_ns: Option<u64>,
 }
 
-/// A format of other programs.
+/// Export format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum ExportFormat {
-    /// Every event as a JSON object on a line.
+    /// One JSON object per line for each event.
     Jsonl,
     /// A table for spreadsheets.
     Csv,
@@ -141,91 +141,91 @@ pub enum ExportFormat {
     Mcap,
 }
 
-/// One event with all that is kept of its values.
+/// One event with all recorded values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EventDetail {
-    /// The event, with values.
+    /// The event with its values.
     #[serde(flatten)]
     pub entry: super::HistoryEntry,
-    /// The names of the state that it is about; empty if it is about none.
+    /// Names of the event's state and its ancestors. Empty if the event has no state.
     pub names: String,
-    /// What it names, in the order of the ports; without what stands in the event itself.
+    /// Values that the event refers to, in the order of the ports. Values within the event itself are not repeated.
     pub values: Vec<NamedValue>,
 }
 
-/// A value by what an event calls it.
+/// A value with its name in an event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NamedValue {
-    /// The port or variable; empty if it has no name.
+    /// Name of the port or variable. Empty if it has no name.
     pub name: String,
-    /// The value.
+    /// The recorded value.
     pub value: KeptValue,
 }
 
-/// A value that a run has kept.
+/// A recorded value of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct KeptValue {
-    /// Counts from 1.
+    /// Number of the value, counted from 1.
     pub number: u64,
-    /// The name of its Python type.
+    /// Name of its Python type.
     pub type_name: String,
-    /// What can be shown of it: bounded.
+    /// View of the value, limited in size.
     pub view: Value,
-    /// From what a runner can make it again.
+    /// Form in which a runner can restore the value.
     #[serde(flatten)]
     pub kept: KeptAs,
 }
 
-/// From what a value can be made again. Its bytes are read by runners only, and never sent.
+/// Form in which a value can be restored. Only runners read its bytes; they are never sent.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "kept", rename_all = "snake_case")]
 pub enum KeptAs {
-    /// The view is all of it.
+    /// The view contains the complete value.
     View,
-    /// A pickle.
+    /// A pickle in the journal.
     Pickle {
-        /// Its size in bytes.
+        /// Size of the pickle in bytes.
         bytes: u64,
     },
-    /// A pickle that the robot has, and its station does not: it can be fetched.
+    /// A pickle on the robot that the station can fetch.
     OnRobot {
-        /// Its size in bytes.
+        /// Size of the pickle in bytes.
         bytes: u64,
-        /// What it costs on the link, in bytes with all headers, if nothing is lost; none if this station does not receive that robot.
+        /// Cost on the link, in bytes with all headers, without losses. Empty if this station does not receive from the robot.
         link_bytes: Option<u64>,
-        /// How long it takes with what the link has left now, in ms; none if the robot is not heard.
+        /// Transfer time at the link's currently free rate, in ms. Empty without contact to the robot.
         takes_ms: Option<u64>,
-        /// How far it is, if it is being fetched or was last.
+        /// Progress of the current or last fetch.
         fetch: Option<ValueFetch>,
     },
-    /// Nothing.
+    /// No restorable form exists.
     Nothing {
-        /// Why.
+        /// Reason, in words.
         reason: String,
     },
 }
 
-/// How far a large value is on its way from a robot.
+/// Progress of fetching a large value from a robot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ValueFetch {
-    /// So many of its bytes are here.
+    /// Number of bytes received.
     pub here: u64,
-    /// So many bytes may still come before the fetch ends.
+    /// Number of bytes that may still be received before the fetch ends.
     pub budget: u64,
-    /// Why it ended, if it did; what is here stays for another one.
+    /// Reason for a failed fetch. The next fetch reuses the received bytes.
     pub failed: Option<String>,
 }
 
-/// Asks for a large value of a robot.
+/// Request to fetch a large value from a robot.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct FetchValue {
-    /// So many of its bytes may be sent, those that are lost on the way included; none: a quarter more than it has.
+    /// Maximum number of bytes to send, including lost ones. The default is 125 % of the value's size.
     #[serde(default)]
     pub budget: Option<u64>,
 }

@@ -1,239 +1,239 @@
-//! Open machines: what several people edit at the same time.
+//! Open machines. Several people can edit one together.
 
 use super::{LibraryName, MachineFile, RevisionKind};
 use serde::{Deserialize, Serialize};
 
-/// An open machine in one line.
+/// Summary of an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineSummary {
-    /// Names it in requests while it is open, and again when the same folder is opened again.
+    /// Id for requests. It stays valid if the folder is closed and opened again.
     pub id: String,
-    /// Where it lies; none if it was never saved.
+    /// Location of the machine. Empty if it was never saved.
     pub file: Option<MachineFile>,
-    /// The root state's name.
+    /// Name of the root state.
     pub name: String,
-    /// Rises by one with every edit, undo, redo, reload and jump. No number counts twice for a machine, also not after it was closed
-    /// or the server was started again.
+    /// Revision number. It increases by one with every edit, undo, redo, reload and jump. A number is never reused for a machine,
+    /// even after the machine is closed or the server restarts.
     pub revision: u64,
-    /// The revision that lies on disk.
+    /// Revision that is saved on disk.
     pub saved_revision: u64,
-    /// Whether it has edits that do not lie on disk.
+    /// True if the machine has unsaved edits.
     pub is_changed: bool,
-    /// What another program did to its files.
+    /// Changes of its files by other programs.
     pub disk: DiskState,
-    /// It has unsaved edits that an earlier server had confirmed.
+    /// True if it has unsaved edits that a previous server process had confirmed.
     pub is_recovered: bool,
-    /// Number of drafts that are set aside because their edits could not be applied.
+    /// Number of drafts set aside because their edits could not be applied.
     #[serde(default)]
     pub set_aside: u64,
 }
 
-/// What another program did to the files of an open machine.
+/// Changes of an open machine's files by other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum DiskState {
-    /// Nothing.
+    /// The files are unchanged.
     #[default]
     Same,
-    /// They hold another machine now: reload it, or save over it.
+    /// The files hold another machine now. Reload it or overwrite it.
     Changed,
-    /// They are gone.
+    /// The files no longer exist.
     Missing,
 }
 
-/// Opens the machine in a folder.
+/// Request to open the machine in a folder.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineAt {
-    /// The folder.
+    /// Folder of the machine.
     pub file: MachineFile,
 }
 
-/// Makes a new machine and opens it.
+/// Request to create and open a new machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NewMachine {
-    /// Its folder, which must not exist.
+    /// Folder of the machine, which must not exist.
     pub file: MachineFile,
-    /// The root state's name.
+    /// Name of the root state.
     pub name: String,
 }
 
-/// Saves an open machine.
+/// Request to save an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SaveMachine {
-    /// Save it in this folder from now on; none: where it lies.
+    /// New folder of the machine. Empty for its current folder.
     #[serde(default)]
     pub file: Option<MachineFile>,
-    /// Save over files that another program changed.
+    /// True to overwrite files that another program changed.
     #[serde(default)]
     pub overwrite: bool,
-    /// Write a copy to `file`, and stay where it lies.
+    /// True to write a copy to `file` and keep the current folder.
     #[serde(default)]
     pub copy: bool,
 }
 
-/// Saves a state of an open machine as a machine of its own: a library, if it lies below a library root.
+/// Request to save a state of an open machine as a machine. Below a library root, that machine is a library.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SaveState {
-    /// The state: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Its folder.
+    /// Folder of the new machine.
     pub file: MachineFile,
-    /// Save over a machine that lies there.
+    /// True to overwrite a machine in that folder.
     #[serde(default)]
     pub overwrite: bool,
 }
 
-/// Where a state was saved.
+/// Location of a saved state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SavedState {
-    /// Its folder.
+    /// Folder of the saved state.
     pub file: MachineFile,
-    /// How library states name it; none if it lies below no library root.
+    /// Library name for use in library states. Empty outside library roots.
     pub library: Option<LibraryName>,
 }
 
-/// Closes an open machine.
+/// Request to close an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct CloseMachine {
-    /// Give up edits that do not lie on disk.
+    /// True to discard unsaved edits.
     #[serde(default)]
     pub discard: bool,
 }
 
-/// The whole of an open machine.
+/// Content of an open machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineDocument {
-    /// As it was at this revision.
+    /// Revision of the content.
     pub revision: u64,
-    /// The machine.
+    /// The machine as a document.
     pub document: crate::document::Document,
 }
 
-/// Reads the files of an open machine again. What the machine was before can be had back by an undo.
+/// Request to reload the files of an open machine. An undo restores the previous content.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ReloadMachine {
-    /// Chosen by the sender; the same id is carried out once.
+    /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
 }
 
-/// Copies states of an open machine.
+/// Request to copy states of an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct CopyStates {
-    /// The path of the container around them.
+    /// Path of the parent container.
     pub path: String,
-    /// Their ids.
+    /// Ids of the states.
     pub states: Vec<String>,
-    /// Ids of scoped variables that go with them.
+    /// Ids of the scoped variables to copy as well.
     #[serde(default)]
     pub scoped_variables: Vec<i64>,
 }
 
-/// Something was done.
+/// Confirmation of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Done {
-    /// The revision that it made, or that lies on disk now.
+    /// Revision that the request created, or that is on disk now.
     pub revision: u64,
 }
 
-/// Revisions of an open machine from a cursor on.
+/// Revisions of an open machine, from a cursor on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RevisionPage {
-    /// Whether those that were asked for are gone: then there are none here, and the whole machine is to be asked for.
+    /// True if the requested revisions no longer exist. The page is then empty, and the client must fetch the whole machine.
     pub is_reset: bool,
-    /// In order, without a gap; none if there is nothing new.
+    /// Revisions in order, without a gap. Empty if there are no new ones.
     pub revisions: Vec<Revision>,
-    /// Where the next page begins.
+    /// First revision of the next page.
     pub next: u64,
 }
 
-/// From where on revisions are asked for.
+/// Selects the first requested revision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct RevisionsFrom {
-    /// The first revision that has not been seen.
+    /// First revision that the client has not seen.
     pub from: u64,
 }
 
-/// One edit.
+/// Request to edit an open machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EditMachine {
-    /// Chosen by the sender; the same id is carried out once.
+    /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
-    /// The revision that the sender had seen; for the record.
+    /// Revision that the sender had seen, for the record.
     #[serde(default)]
     pub base: Option<u64>,
-    /// What the step is called in the history: "Rename state".
+    /// Name of the step in the history, such as "Rename state".
     pub name: String,
-    /// The edit (`docs/edits.md`).
+    /// The edit to apply (`docs/edits.md`).
     pub edit: crate::edit::Edit,
 }
 
-/// Takes back, or makes again, one's own last step.
+/// Request to undo or redo the user's own last step.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Undo {
-    /// Chosen by the sender; the same id is carried out once.
+    /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
 }
 
-/// A step in the life of an open machine.
+/// A change of an open machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Revision {
-    /// Its number.
+    /// Number of the revision.
     pub revision: u64,
-    /// The id of the edit, undo or redo.
+    /// Id of the edit, undo or redo.
     pub id: String,
-    /// Who made it.
+    /// User who made the change.
     pub author: String,
-    /// What it is called; an undo has the name of what it takes back.
+    /// Name of the step. An undo has the name of the step that it undoes.
     pub name: String,
-    /// When: ms since 1970, UTC.
+    /// Time of the change: ms since 1970, UTC.
     pub at_ms: u64,
-    /// What it was.
+    /// Kind of change.
     pub kind: RevisionKind,
-    /// The earliest revision that is known at which the machine was the very same; none if it never was.
+    /// Earliest known revision with identical content, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_as: Option<u64>,
-    /// What is different now.
+    /// Differences from the previous revision.
     pub changes: Vec<crate::document::Change>,
 }
 
-/// The latest truth about an open machine.
+/// Current status of an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineStatus {
-    /// In one line.
+    /// Summary of the machine.
     pub summary: MachineSummary,
-    /// Who else looks at it.
+    /// Viewers of the machine.
     pub people: Vec<Presence>,
 }
 
-/// Someone who looks at an open machine.
+/// A viewer of an open machine.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Presence {
-    /// The connection, by a number of the server's.
+    /// Number of the connection, assigned by the server.
     pub connection: u64,
-    /// The user.
+    /// Name of the user.
     pub user: String,
     /// Paths of the selected states.
     pub selection: Vec<String>,
@@ -243,44 +243,44 @@ pub struct Presence {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineProblem {
-    /// The state: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Which part of it, in words.
+    /// Affected part of the state, in words.
     pub part: String,
-    /// The rule, for programs.
+    /// Name of the violated rule, for programs.
     pub rule: String,
-    /// How bad it is.
+    /// Severity of the fault.
     pub severity: Severity,
-    /// What, where, and the way out.
+    /// Fault, location and remedy.
     pub message: String,
-    /// The line of the state's script that it is about, counted from 1.
+    /// Affected line of the state's script, counted from 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub line: Option<u64>,
-    /// Edits that would mend it, the one that keeps most first.
+    /// Edits that repair the fault. The edit that preserves most comes first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,
 }
 
-/// An edit that mends a fault.
+/// An edit that repairs a fault.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Repair {
-    /// What it does, for people; also the name of the step.
+    /// Description for people, and name of the step in the history.
     pub name: String,
-    /// The edit, as the machine is now.
+    /// The edit, for the current revision.
     pub edit: crate::edit::Edit,
 }
 
-/// How bad a problem is.
+/// Severity of a machine's fault.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// The machine does not do what it says.
+    /// The machine does not behave as written.
     Error,
-    /// It may not.
+    /// The machine may not behave as written.
     Warning,
-    /// Worth knowing.
+    /// A hint for the author.
     Note,
 }

@@ -1,4 +1,4 @@
-//! What the server's HTTP requests and answers say. Knows words and shapes; knows nothing of routes, sockets or files.
+//! Content of the server's HTTP requests and responses. Defines data types only, without routes, sockets or files.
 
 mod files;
 mod history;

@@ -1,86 +1,86 @@
-//! What runs leave: how they stood at a moment, where two part, what their states took. Asked for as `history.rs` says.
+//! Results about past runs: moments, comparisons and statistics. `history.rs` has the queries.
 
 use crate::{Breakpoint, HeldBy, Outcome, Question, RunStatus, Values};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// How a run stood after one event.
+/// State of a run after one event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Moment {
-    /// The event; 0: before the first.
+    /// Number of the event. 0 for the moment before the first event.
     pub sequence: u64,
-    /// When it happened, in ns since the start of the run.
+    /// Time of the event, in ns since the start of the run.
     pub t_ns: u64,
-    /// The run as a whole.
+    /// Status of the whole run.
     pub status: RunStatus,
-    /// How it ended, once it has.
+    /// Outcome of the run, if it has ended.
     pub outcome: Option<Outcome>,
-    /// Hash of the machine that it went by, if it was kept.
+    /// Hash of the machine that was in use, if it was recorded.
     pub root: Option<String>,
-    /// How many runners there were.
+    /// Number of runners up to this moment.
     pub life: u32,
-    /// States run so far.
+    /// Number of states executed.
     pub states_run: u64,
-    /// Active states, each after the state around it.
+    /// Active states, each after its parent.
     pub active: Vec<MomentState>,
     /// Branches that are held.
     pub held: Vec<Holding>,
-    /// States that wait, by path, and for what.
+    /// Paths of waiting states, and the causes of their waits.
     pub waiting: BTreeMap<String, String>,
     /// Global variables by name.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub globals: Values,
-    /// What states keep from one run to the next, by path.
+    /// Data that states keep between their executions, by path.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub persistent: Values,
-    /// All breakpoints.
+    /// All breakpoints at this moment.
     pub breakpoints: Vec<Breakpoint>,
     /// Questions without an answer.
     pub questions: Vec<Question>,
 }
 
-/// One active state.
+/// A state that is active at a moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MomentState {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// How many states are around it.
+    /// Number of ancestors of the state.
     pub depth: usize,
-    /// The event that it was entered by.
+    /// Event by which it was entered.
     pub entered: u64,
-    /// When it was entered, in ns since the start of the run.
+    /// Entry time, in ns since the start of the run.
     pub since_ns: u64,
-    /// Its inputs by name; none if they were not kept.
+    /// Inputs by name. Empty if they were not recorded.
     #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
     pub inputs: Option<Values>,
-    /// Its scoped variables by name.
+    /// Scoped variables by name.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub scoped: Values,
-    /// How its children ended last, in that order.
+    /// Last end of each child, in order of time.
     pub ended: Vec<MomentEnd>,
 }
 
-/// How a child ended.
+/// The end of a child state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MomentEnd {
-    /// Ids joined by `/`.
+    /// Path of the child: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// Its outcome.
+    /// Outcome of the child.
     pub outcome: Outcome,
-    /// Its outputs by name; none if they were not kept.
+    /// Outputs by name. Empty if they were not recorded.
     #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
     pub outputs: Option<Values>,
-    /// Its error, if it left one.
+    /// Error of the child, if it has one.
     pub error: Option<Value>,
-    /// The event that says so.
+    /// Sequence number of its `left` event.
     pub sequence: u64,
 }
 
@@ -88,99 +88,99 @@ pub struct MomentEnd {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Holding {
-    /// The container that is held.
+    /// Path of the container that is held.
     pub path: String,
-    /// The state before which it is held.
+    /// The next state. The container is held before it.
     pub next: Option<String>,
-    /// By what.
+    /// Reason for the hold.
     pub by: HeldBy,
 }
 
-/// Two runs side by side.
+/// Comparison of two runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Comparison {
-    /// Entries and ends that are the same in both.
+    /// Number of entries and ends that match in both runs.
     pub alike: u64,
-    /// Where the runs part: on each branch the first place, the earliest of them first, at most 64. None if they do not part.
+    /// First difference of each branch, sorted by time, at most 64. Empty if the runs match.
     pub parted: Vec<Parting>,
-    /// On how many branches they part, those included that are not told.
+    /// Number of branches with a difference, including unlisted ones.
     pub branches_parted: usize,
-    /// Data that differed up to there: the first entry and the first end of each state at which it did.
+    /// Data that differed before that: the first entry and the first end of each state with other data.
     pub changed: Vec<DataChange>,
-    /// How long each state was active.
+    /// Active time of each state.
     pub timing: Vec<Timing>,
 }
 
-/// Where two runs part on a branch.
+/// First difference of two runs on a branch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Parting {
-    /// The branch: a child of a concurrency state, or the root.
+    /// Path of the branch: a child of a concurrency state, or the root.
     pub branch: String,
-    /// The names of that state and those around it, joined by `/`.
+    /// Names of the states on that path, joined by `/`.
     pub names: String,
-    /// What happened next in the one; nothing if it was over.
+    /// Next event in the first run. Empty if the run was over.
     pub one: Option<Happened>,
-    /// What happened next in the other.
+    /// Next event in the second run. Empty if the run was over.
     pub other: Option<Happened>,
 }
 
-/// An entry or end of a state.
+/// An entry or the end of a state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Happened {
-    /// The event.
+    /// Sequence number of the event.
     pub sequence: u64,
-    /// When, in ns since the start of the run.
+    /// Time, in ns since the start of the run.
     pub t_ns: u64,
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// How it ended; none if it was entered.
+    /// Outcome of an end. Empty for an entry.
     pub outcome: Option<Outcome>,
-    /// Whether it was a step back.
+    /// True for a step back.
     pub backwards: bool,
 }
 
-/// A value that differed.
+/// A value that differs between two runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct DataChange {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// What it was.
+    /// Kind of the value.
     pub kind: DataKind,
-    /// The port's name; empty for an error.
+    /// Name of the port. Empty for an error.
     pub port: String,
-    /// The event in the one.
+    /// Event in the first run.
     pub one_sequence: u64,
-    /// The value in the one; none if there was none.
+    /// Value in the first run, if there is one.
     pub one: Option<Value>,
-    /// The event in the other.
+    /// Event in the second run.
     pub other_sequence: u64,
-    /// The value in the other.
+    /// Value in the second run, if there is one.
     pub other: Option<Value>,
 }
 
-/// What a value was of a state.
+/// Kind of a compared value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum DataKind {
-    /// Of an input port.
+    /// Value of an input port.
     Input,
-    /// Of an output port.
+    /// Value of an output port.
     Output,
-    /// Its error.
+    /// Error of the state.
     Error,
 }
 
 impl DataKind {
-    /// In a word.
+    /// Returns the kind as an English word.
     pub fn word(self) -> &'static str {
         match self {
             Self::Input => "input",
@@ -190,72 +190,72 @@ impl DataKind {
     }
 }
 
-/// How long a state was active in each of two runs.
+/// Active time of a state in each of two runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Timing {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// In the one.
+    /// Time in the first run.
     pub one: TimeTaken,
-    /// In the other.
+    /// Time in the second run.
     pub other: TimeTaken,
 }
 
-/// Time that a state took.
+/// Active time of a state in one run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct TimeTaken {
-    /// How often it ran to its end.
+    /// Number of completed executions.
     pub count: u64,
-    /// All together, in ns.
+    /// Total active time, in ns.
     pub total_ns: u64,
 }
 
-/// What the states of a run did and took, all of it up to one event.
+/// Execution statistics of a run's states, up to one event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Statistics {
-    /// The event; 0: there is none.
+    /// Number of the event. 0 if the run has no events.
     pub sequence: u64,
-    /// When it happened, in ns since the start of the run.
+    /// Time of the event, in ns since the start of the run.
     pub t_ns: u64,
-    /// Every state that ended, by rising path.
+    /// States that ended at least once, sorted by path.
     pub states: Vec<StateStatistics>,
 }
 
-/// What a state did and took. Steps back are not counted.
+/// Execution statistics of a state. Steps back are not counted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StateStatistics {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// Names joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// How often it ran to its end.
+    /// Number of completed executions.
     pub count: u64,
-    /// Time that it was active, all together, in ns.
+    /// Total active time, in ns.
     pub total_ns: u64,
-    /// The shortest, in ns.
+    /// Shortest execution, in ns.
     pub min_ns: u64,
-    /// Half of all took no longer, in ns; up to 2 % beside the truth.
+    /// Median execution time, in ns, with an error of up to 2 %.
     pub median_ns: u64,
-    /// 95 of 100 took no longer, in ns; up to 2 % beside the truth.
+    /// 95th percentile of the execution time, in ns, with an error of up to 2 %.
     pub p95_ns: u64,
-    /// The longest, in ns.
+    /// Longest execution, in ns.
     pub max_ns: u64,
-    /// How it ended, the most frequent first.
+    /// Outcomes, the most frequent first.
     pub outcomes: Vec<OutcomeCount>,
 }
 
-/// How often a state ended by an outcome.
+/// Number of executions that ended by an outcome.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct OutcomeCount {
-    /// The outcome.
+    /// Outcome of the state.
     pub outcome: Outcome,
-    /// How often.
+    /// Number of executions with this outcome.
     pub count: u64,
 }

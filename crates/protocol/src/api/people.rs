@@ -1,34 +1,34 @@
-//! Who may do what.
+//! Users, roles, rights and tokens.
 
 use serde::{Deserialize, Serialize};
 
-/// What a request needs. Rights are granted by [`Role`]s.
+/// Right that a request needs. [`Role`]s grant rights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Right {
-    /// Whoever reaches the server: only to log in and to ask whether it is there.
+    /// Log in and check that the server is running. Needs no account.
     Anyone,
     /// See projects, machines and runs.
     Observe,
     /// Command a run in progress, and answer its questions.
     Command,
-    /// Start a run, and take one up again.
+    /// Start or resume a run.
     Start,
-    /// Change machines and scripts: what decides which Python text runs.
+    /// Change machines and scripts, and so the Python code that runs.
     Edit,
     /// Manage users and delete runs.
     Administer,
 }
 
-/// What someone is allowed to do.
+/// Role of a user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// Looks on.
+    /// Sees projects, machines and runs.
     Viewer,
-    /// Starts and commands runs.
+    /// Also starts and commands runs.
     Operator,
     /// Also changes machines.
     Engineer,
@@ -37,10 +37,10 @@ pub enum Role {
 }
 
 impl Role {
-    /// All roles, the least first.
+    /// All roles, the one with the fewest rights first.
     pub const ALL: [Self; 4] = [Self::Viewer, Self::Operator, Self::Engineer, Self::Admin];
 
-    /// Whether it grants a right.
+    /// Returns true if the role grants the right.
     pub fn grants(self, right: Right) -> bool {
         self >= match right {
             Right::Anyone | Right::Observe => Self::Viewer,
@@ -51,125 +51,125 @@ impl Role {
     }
 }
 
-/// Who someone is.
+/// Session of a user or program.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Session {
-    /// The user's name.
+    /// Name of the user.
     pub user: String,
-    /// What the user may do.
+    /// Role of the user.
     pub role: Role,
-    /// The same in detail.
+    /// All rights of the role.
     pub rights: Vec<Right>,
-    /// The server's version.
+    /// Version of the server.
     pub version: String,
-    /// When the session ends: ms since 1970, UTC; none if it lasts as long as the server.
+    /// End of the session: ms since 1970, UTC. Empty if it lasts until the server stops.
     pub expires_ms: Option<u64>,
 }
 
-/// A login.
+/// Request to log in.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Login {
-    /// The user's name.
+    /// Name of the user.
     pub user: String,
-    /// The password.
+    /// Password of the user.
     #[cfg_attr(feature = "schema", schema(max_length = 1024))]
     pub password: String,
 }
 
-/// Another password for oneself.
+/// Request of a user to change the own password.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ChangePassword {
-    /// The password so far.
+    /// The current password.
     #[cfg_attr(feature = "schema", schema(max_length = 1024))]
     pub password: String,
-    /// The new one, of at least 10 characters.
+    /// The new password, of at least 10 characters.
     #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub new_password: String,
 }
 
-/// One who may log in.
+/// A user of the server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct User {
-    /// The name.
+    /// Name of the user.
     pub name: String,
-    /// What the user may do.
+    /// Role of the user.
     pub role: Role,
 }
 
-/// A user to be added.
+/// Request to add a user.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NewUser {
-    /// The name: letters, digits, `.`, `-`, `_`; at most 64.
+    /// Name of the user: letters, digits, `.`, `-`, `_`; at most 64.
     #[cfg_attr(feature = "schema", schema(pattern = "^[A-Za-z0-9._-]{1,64}$"))]
     pub name: String,
-    /// What the user may do.
+    /// Role of the user.
     pub role: Role,
     /// The password, of at least 10 characters.
     #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub password: String,
 }
 
-/// A change of a user; what is left out stays.
+/// Request to change a user. Empty fields are not changed.
 #[derive(Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(default)]
 pub struct ChangeUser {
-    /// Another role.
+    /// New role of the user.
     pub role: Option<Role>,
-    /// Another password.
+    /// New password of the user.
     #[cfg_attr(feature = "schema", schema(min_length = 10, max_length = 1024))]
     pub password: Option<String>,
 }
 
-/// A token for a program, asked for by the user whom it stands for.
+/// Request for an access token, which represents the requesting user.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct NewToken {
-    /// What it is for, for people.
+    /// Purpose of the token, for people.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 100))]
     pub name: String,
-    /// For how many seconds it is good; none: until it is deleted.
+    /// Lifetime in seconds. Empty for a token without expiry.
     #[serde(default)]
     pub lifetime_s: Option<u64>,
-    /// A lesser role than the user's.
+    /// Role of the token, if lower than the user's.
     #[serde(default)]
     pub role: Option<Role>,
 }
 
-/// A token that was made. Its text is told this once only.
+/// A new token. Its secret is shown only once.
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct TokenMade {
-    /// Names it in the list of tokens.
+    /// Id of the token, for the list of tokens.
     pub id: String,
-    /// The secret.
+    /// Secret text of the token.
     pub token: String,
 }
 
-/// What may be told about a token.
+/// Public data of a token.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct TokenAbout {
-    /// Its id.
+    /// Id of the token.
     pub id: String,
-    /// Whom it stands for.
+    /// User whom the token represents.
     pub user: String,
-    /// What it is for.
+    /// Purpose of the token.
     pub name: String,
-    /// What it allows.
+    /// Role of the token.
     pub role: Role,
-    /// When it was made: ms since 1970, UTC.
+    /// Creation time: ms since 1970, UTC.
     pub made_ms: u64,
-    /// When it ends: ms since 1970, UTC.
+    /// Expiry: ms since 1970, UTC. Empty for a token without expiry.
     pub expires_ms: Option<u64>,
 }
 
-/// Secrets stay out of logs.
+/// Implements `Debug` without the secret fields, to keep them out of logs.
 macro_rules! told_without_secrets {
     ($($name:ident: $shown:ident),*) => {$(
         impl std::fmt::Debug for $name {

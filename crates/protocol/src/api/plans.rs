@@ -1,4 +1,4 @@
-//! What is planned, and what an engine says to it.
+//! Planning requests, and the events that an engine produces.
 
 use crate::document::Selection;
 use serde::{Deserialize, Serialize};
@@ -11,26 +11,26 @@ pub struct PlanPool {
     /// Library paths: roots, folders below them or single libraries, such as `restaurant/skills`.
     #[cfg_attr(feature = "schema", schema(max_items = 100))]
     pub libraries: Vec<String>,
-    /// Which type is a kind of which.
+    /// Each type and its supertype.
     #[serde(default)]
     pub types: BTreeMap<String, String>,
 }
 
-/// What skills add up to.
+/// Planning domain that results from the skills.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanDomain {
     /// All skills, sorted by library.
     pub skills: Vec<PlanSkill>,
-    /// Each type and the one that it is a kind of.
+    /// Each type and its supertype.
     pub types: BTreeMap<String, String>,
-    /// What can be a fact.
+    /// Predicates that facts can use.
     pub predicates: Vec<PlanSignature>,
-    /// What can be counted.
+    /// Numeric functions of the domain.
     pub functions: Vec<PlanSignature>,
     /// The domain as PDDL.
     pub pddl: String,
-    /// What is wrong.
+    /// Errors and warnings about the skills.
     pub findings: Vec<PlanFinding>,
 }
 
@@ -38,15 +38,15 @@ pub struct PlanDomain {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanSkill {
-    /// Library path and name.
+    /// Path and name of the library.
     pub library: String,
-    /// The name of its root state.
+    /// Name of the library's root state.
     pub title: String,
-    /// The name of its action.
+    /// Name of the PDDL action.
     pub action: String,
-    /// What it does, for people.
+    /// Description for people.
     pub description: String,
-    /// What its action is done with.
+    /// Parameters of the action.
     pub parameters: Vec<PlanParameter>,
     /// The action as PDDL.
     pub pddl: String,
@@ -56,11 +56,11 @@ pub struct PlanSkill {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanParameter {
-    /// Without the question mark.
+    /// Name without the question mark.
     pub name: String,
-    /// Any of these; none: anything.
+    /// Allowed types: any of these. Empty for any type.
     pub types: Vec<String>,
-    /// The input port that it sets, if there is one.
+    /// Input port that receives the object, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub port: Option<String>,
@@ -70,47 +70,47 @@ pub struct PlanParameter {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanSignature {
-    /// Its name.
+    /// Name of the predicate or function.
     pub name: String,
-    /// What it takes.
+    /// Arguments in their order.
     pub arguments: Vec<PlanParameter>,
 }
 
-/// Something that is wrong with skills, facts or a goal.
+/// A fault in skills, facts or a goal.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanFinding {
-    /// Whether it prevents plans.
+    /// True if the fault prevents planning.
     pub is_error: bool,
-    /// The libraries that it is about.
+    /// Libraries that cause the fault.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub libraries: Vec<String>,
-    /// What it is, and the way out.
+    /// Description and remedy.
     pub text: String,
 }
 
-/// What is wanted, with what, and of which engine.
+/// Request for a plan: the goal, the skills and the engine.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MakePlan {
-    /// The skills.
+    /// Skills that the plan may use.
     pub pool: PlanPool,
-    /// A PDDL problem: objects, facts, and a goal where none is given beside it.
+    /// A PDDL problem: objects, facts, and a goal unless `goal` gives one.
     #[cfg_attr(feature = "schema", schema(max_length = 4_194_304))]
     pub facts: String,
-    /// A PDDL condition; left out: the goal of the problem.
+    /// A PDDL condition. The default is the goal of the problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub goal: Option<String>,
-    /// What objects are while a machine runs, by their names: the values of inputs.
+    /// Values of the objects at run time, by object name. They become inputs of states.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub data: crate::Values,
-    /// `kairos`, or the name of an engine of unified-planning; left out: `kairos`.
+    /// `kairos` or the name of an engine of unified-planning. The default is `kairos`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub engine: Option<String>,
-    /// How long the engine may take, in ms; left out: 10 s.
+    /// Time limit of the engine, in ms. The default is 10 s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(
         feature = "schema",
@@ -118,150 +118,150 @@ pub struct MakePlan {
         ts(optional, type = "number")
     )]
     pub time_limit_ms: Option<u64>,
-    /// Whether it looks for better plans until then.
+    /// True to keep improving the plan until the time limit.
     #[serde(default)]
     pub anytime: bool,
-    /// Whether a plan without times is done at the same time where it can be.
+    /// True to run independent steps of an untimed plan in parallel.
     #[serde(default)]
     pub parallel: bool,
-    /// What failing steps do whose skills do not say.
+    /// Recovery for failing steps whose skills define none.
     #[serde(default)]
     pub recovery: PlanRecovery,
-    /// The library that observes the facts (output `facts`), for machines that plan again.
+    /// Library that observes the facts (output `facts`), for machines that replan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub observe: Option<String>,
-    /// How often such a machine plans again; left out: 5 times.
+    /// Maximum number of replans of such a machine. The default is 5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schema(maximum = 1000), ts(optional))]
     pub replans_max: Option<u32>,
-    /// The name of the machine; left out: the name of the problem.
+    /// Name of the machine. The default is the name of the problem.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub name: Option<String>,
 }
 
-/// What happens when a step fails.
+/// Recovery after a step fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanRecovery {
-    /// How often it is tried again.
+    /// Number of retries of the step.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schema(maximum = 1000))]
     pub retries: u32,
-    /// And when that did not help.
+    /// Action after the last retry.
     #[serde(default)]
     pub then: PlanThen,
 }
 
-/// The last resort of a step that fails.
+/// Last action for a failing step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum PlanThen {
-    /// The machine ends by *aborted*.
+    /// End the machine by *aborted*.
     #[default]
     GiveUp,
-    /// A person decides.
+    /// Ask a person to decide.
     Ask,
-    /// The world is observed, and another plan is made.
+    /// Observe the world and make a new plan.
     Replan,
 }
 
-/// What is told while an engine plans, one a line. The last is never `found`.
+/// An event of a planning request, one per line. The last event is never `found`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "event", rename_all = "snake_case")]
 pub enum PlanEvent {
-    /// A valid plan; a later one is better.
+    /// A valid plan. Each later plan is better.
     Found(Box<PlanFound>),
-    /// The engine is done; the latest plan is the answer.
+    /// Planning is complete. The latest plan is the result.
     Done(PlanEnd),
-    /// There is no plan: the goal cannot be reached.
+    /// The goal cannot be reached, so no plan exists.
     Impossible(PlanEnd),
-    /// The engine found none in the time that it had.
+    /// The engine found no plan within its time limit.
     NotFound(PlanEnd),
-    /// Skills, facts or goal do not fit: there is nothing to plan.
+    /// Skills, facts or goal do not fit together. The engine was not started.
     Refused(PlanRefused),
-    /// The engine is missing, fails, or gives plans that are not valid.
+    /// The engine is missing, failed, or produced invalid plans.
     Failed(PlanEnd),
-    /// Nobody wants it any more.
+    /// The client cancelled the request.
     Cancelled(PlanEnd),
 }
 
-/// How planning ended.
+/// End of a planning request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanEnd {
-    /// In words, with the way out.
+    /// Cause and remedy, in words.
     pub reason: String,
-    /// After how many ms.
+    /// Time since the request, in ms.
     #[cfg_attr(feature = "schema", ts(type = "number"))]
     pub after_ms: u64,
-    /// What is wrong all the same.
+    /// Warnings about skills, facts or goal.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<PlanFinding>,
 }
 
-/// Why there is nothing to plan.
+/// Reasons why planning was refused.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanRefused {
-    /// What is wrong.
+    /// Faults that prevent planning.
     pub findings: Vec<PlanFinding>,
 }
 
-/// A plan that is valid, and its machine.
+/// A valid plan and its machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanFound {
-    /// The engine that found it.
+    /// Engine that found the plan.
     pub engine: String,
-    /// After how many ms.
+    /// Time since the request, in ms.
     #[cfg_attr(feature = "schema", ts(type = "number"))]
     pub after_ms: u64,
-    /// What the engine says that it costs.
+    /// Cost of the plan, as reported by the engine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub cost: Option<f64>,
-    /// Whether its times mean something.
+    /// True if the plan is timed.
     pub temporal: bool,
-    /// How long it takes as planned, in its units of time; 0 for a plan without times.
+    /// Planned duration, in the plan's time units. 0 for an untimed plan.
     pub makespan: f64,
-    /// How much longer its machine takes, because what runs at the same time waits for each other.
+    /// Extra duration of the machine, because parallel steps wait for each other.
     pub lost: f64,
-    /// In the order of their beginnings.
+    /// Steps sorted by start time.
     pub steps: Vec<PlanStep>,
-    /// One hierarchy state with the whole plan inside, as the edit `paste` takes it.
+    /// A hierarchy state that contains the whole plan, in the form that the edit `paste` accepts.
     pub machine: Selection,
-    /// What is wrong all the same.
+    /// Warnings about skills, facts or goal.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<PlanFinding>,
 }
 
-/// A step of a plan, and why it is there.
+/// A step of a plan, and the reasons for it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanStep {
-    /// The name of the action.
+    /// Name of the PDDL action.
     pub action: String,
-    /// The library behind it.
+    /// Library that implements the action.
     pub library: String,
-    /// The name of the step, for people.
+    /// Title of the step, for people.
     pub title: String,
-    /// The objects, one for each parameter.
+    /// Objects, one for each parameter.
     pub objects: Vec<String>,
-    /// When it begins; of a plan without times, its index.
+    /// Start time. For an untimed plan, the index of the step.
     pub start: f64,
-    /// How long it takes, if it takes time.
+    /// Duration of the step, if it has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub duration: Option<f64>,
-    /// Its state in the machine, from the hierarchy state down.
+    /// Path of its state, from the plan's hierarchy state down.
     pub path: String,
-    /// What it needs.
+    /// Facts that the step needs.
     pub needs: Vec<PlanNeed>,
-    /// What it brings that is needed.
+    /// Facts of the step that other steps or the goal need.
     pub brings: Vec<PlanGain>,
 }
 
@@ -269,23 +269,23 @@ pub struct PlanStep {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanNeed {
-    /// What.
+    /// The fact in PDDL.
     pub fact: String,
-    /// The index of the step that brought it; left out: it was there from the beginning.
+    /// Index of the step that provides the fact. Empty if it holds initially.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional, type = "number"))]
     pub from: Option<usize>,
 }
 
-/// A fact that a step brings.
+/// A fact that a step provides.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct PlanGain {
-    /// What.
+    /// The fact in PDDL.
     pub fact: String,
-    /// The indices of the steps that need it.
+    /// Indices of the steps that need it.
     #[cfg_attr(feature = "schema", ts(type = "number[]"))]
     pub steps: Vec<usize>,
-    /// Whether the goal does.
+    /// True if the goal needs it.
     pub goal: bool,
 }

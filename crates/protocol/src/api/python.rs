@@ -1,15 +1,15 @@
-//! What Python's own parser says about a script.
+//! Checks of scripts by Python's own parser.
 
 use super::{Repair, Severity};
 use serde::{Deserialize, Serialize};
 
-/// Asks what Python's parser says about a script. Nothing of it runs.
+/// Request to check a script with Python's parser. The script is not executed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct CheckScript {
-    /// The text.
+    /// Text of the script.
     pub script: String,
-    /// The state whose script it is to be; with it, the outcomes and ports in the text are compared with those of the state.
+    /// State that the script is for. If set, outcomes and ports in the script are compared with those of the state.
     #[serde(default)]
     pub state: Option<ScriptPlace>,
 }
@@ -18,31 +18,31 @@ pub struct CheckScript {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ScriptPlace {
-    /// The id of the open machine.
+    /// Id of the open machine.
     pub machine: String,
-    /// The state: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
 }
 
-/// A place in a script that Python's parser does not take, or warns of.
+/// An error or warning of Python's parser at a location of a script.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ScriptProblem {
-    /// The line, from 1 on.
+    /// Line, counted from 1.
     pub line: u32,
-    /// The column, from 1 on; counted as JavaScript counts (UTF-16).
+    /// Column, counted from 1 in UTF-16 units as in JavaScript.
     pub column: u32,
-    /// The line where it ends, if the parser says so.
+    /// Last line, if the parser reports it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_line: Option<u32>,
-    /// The column behind its end, if the parser says so.
+    /// Column after the end, if the parser reports it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_column: Option<u32>,
-    /// What the parser says.
+    /// Message of the parser.
     pub message: String,
-    /// An error keeps the script from running, or its state from ending as it should.
+    /// Severity. An error prevents the script from running, or its state from ending correctly.
     pub severity: Severity,
-    /// Edits of the machine that mend it.
+    /// Edits of the machine that repair the fault.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repairs: Vec<Repair>,
 }

@@ -1,25 +1,25 @@
-//! What a run waits for, by how it stands: one answer for lists of runs, whoever shows them.
+//! Cause of a run's wait, derived from its snapshot. All lists of runs use this function.
 
 use crate::{ActiveState, Phase, RunStatus, Snapshot};
 use serde::{Deserialize, Serialize};
 
-/// What a run waits for.
+/// Cause of a run's wait.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum RunWait {
-    /// An answer to a question.
+    /// A question needs an answer.
     Answer,
-    /// A decision about a script that a crash interrupted.
+    /// A script that a crash interrupted needs a decision.
     Decision,
-    /// Someone to resume it: it is paused, or continues by steps.
+    /// The run is paused or in step mode and needs a command.
     Paused,
-    /// Something else: a time, another branch.
+    /// Something else, such as a time or another branch.
     Other,
 }
 
 impl RunWait {
-    /// What a run waits for that stands so; nothing while a branch of it is at work.
+    /// Returns the cause of the wait. `None` while a branch is at work, and for a run that is stopping or over.
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
         let is = |wanted| snapshot.active.iter().any(|state| state.phase == wanted);
         if snapshot.status != RunStatus::Stopping && is(Phase::Interrupted) {
@@ -51,7 +51,7 @@ mod tests {
     use super::RunWait;
     use crate::Snapshot;
 
-    /// `active` by words: `R running`; `asks` by paths.
+    /// `active` holds words such as `R running`. `asks` holds paths.
     fn check(status: &str, active: &[&str], asks: &[&str], wanted: Option<RunWait>) {
         let states: Vec<_> = active.iter().map(|words| state(words)).collect();
         let questions: Vec<_> =

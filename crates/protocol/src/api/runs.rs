@@ -1,4 +1,4 @@
-//! Runs: how they begin, how they stand, who commands them, what they leave.
+//! Runs: start, status, control and results.
 
 use super::{MachineFile, RunWait};
 use crate::{
@@ -6,299 +6,299 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Starts a run.
+/// Request to start a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StartRun {
-    /// Chosen by the sender; the same id starts one run.
+    /// Id chosen by the sender. Repeated requests with one id start one run.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
-    /// The machine, as it lies on disk.
+    /// The machine, as stored on disk.
     pub machine: MachineFile,
     /// Values for input ports of the root, by name.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub inputs: crate::Values,
-    /// Global variables that are there before the first state runs, by name.
+    /// Global variables that exist before the first state runs, by name.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub globals: crate::Values,
-    /// State path to begin at.
+    /// Path of the state to begin at.
     #[serde(default)]
     pub start_from: Option<String>,
-    /// What happens once that state was left: `go_on`, `hold` or `stop`.
+    /// Action after that state was left: `go_on`, `hold` or `stop`.
     #[serde(default)]
     pub afterwards: Afterwards,
-    /// How much is kept: `full` or `status`.
+    /// Amount of the run that is recorded: `full` or `status`.
     #[serde(default)]
     pub keeping: Keeping,
-    /// Whether an event is on disk before the script that follows it runs.
+    /// True to store each event on disk before the script that follows it runs.
     #[serde(default)]
     pub strict: bool,
-    /// Whether the run is held before its first state.
+    /// True to hold the run before its first state.
     #[serde(default)]
     pub hold: bool,
-    /// Breakpoints that are there from the start.
+    /// Breakpoints set from the start.
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
-    /// What becomes of interrupted scripts if the runner dies; none: what the machine says, else *ask*.
+    /// Policy for interrupted scripts if the runner dies. Empty for the machine's policy, or *ask* if it has none.
     #[serde(default)]
     pub on_crash: Option<OnCrash>,
-    /// The journal's size, in bytes, beyond which old detail is given up.
+    /// Size of the journal, in bytes, above which old detail is deleted.
     #[serde(default)]
     pub size_max: Option<u64>,
 }
 
-/// Resumes a run whose runner died.
+/// Request to resume a run whose runner died.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ResumeRun {
-    /// Chosen by the sender; the same id is carried out once.
+    /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
-    /// What becomes of interrupted scripts.
+    /// Policy for interrupted scripts.
     #[serde(default)]
     pub policy: OnCrash,
-    /// Begin at this event of the history instead of where the run ended: an `entered`.
+    /// The `entered` event at which to begin, instead of the end of the run.
     #[serde(default)]
     pub from: Option<u64>,
 }
 
-/// What has become of a run.
+/// Phase of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "phase", rename_all = "snake_case")]
 pub enum RunPhase {
-    /// Its runner was started and has not begun yet.
+    /// The runner was started, but the run has not begun yet.
     Starting,
     /// It is in progress.
     Live,
-    /// It came to its end.
+    /// The run ended regularly.
     Finished {
-        /// By this outcome.
+        /// Outcome of the root state.
         outcome: Outcome,
-        /// States that it ran.
+        /// Number of states that it executed.
         states_run: u64,
     },
-    /// Its runner ended before it did: it can be resumed.
+    /// The runner died before the end of the run. The run can be resumed.
     Crashed,
-    /// It is a replica, and the run at its robot has another history: it takes nothing more.
+    /// The run is a replica, and its history differs from the robot's. It accepts no further events.
     Diverged {
-        /// Why, and the way out.
+        /// Cause and remedy.
         reason: String,
     },
-    /// It never began.
+    /// The run never began.
     NotStarted {
-        /// Why.
+        /// Cause, in words.
         reason: String,
     },
-    /// Its folder cannot be read.
+    /// The folder of the run cannot be read.
     Unreadable {
-        /// Why.
+        /// Cause, in words.
         reason: String,
     },
 }
 
-/// One run in one line.
+/// Summary of a run, for a list.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RunSummary {
-    /// The name of its folder.
+    /// Id of the run: the name of its folder.
     pub id: String,
-    /// The root state's name.
+    /// Name of the root state.
     pub name: String,
-    /// Its machine, if it lies in a project.
+    /// The machine, if it is in a project.
     pub machine: Option<MachineFile>,
-    /// Who asked for it; none if it was started without the server.
+    /// User who started it. Empty if it was started without the server.
     pub author: Option<String>,
-    /// When it began: ms since 1970, UTC.
+    /// Start time: ms since 1970, UTC.
     pub started_ms: u64,
-    /// What has become of it.
+    /// Current phase of the run.
     #[serde(flatten)]
     pub phase: RunPhase,
-    /// Its length, in ms; so far, while it is in progress.
+    /// Length of the run up to now, in ms.
     pub length_ms: u64,
-    /// How many events it has.
+    /// Number of events in the run.
     pub events: u64,
-    /// What it takes on disk, in bytes.
+    /// Size on disk, in bytes.
     pub bytes: u64,
-    /// How much of it is kept.
+    /// Amount of the run that is recorded.
     pub keeping: Keeping,
-    /// what it waits for, if it is in progress and none of its branches is at work.
+    /// Cause of the wait, if the run is active and all its branches wait.
     #[serde(default)]
     pub waits: Option<RunWait>,
-    /// When its runner was heard last, or its robot if that is far away: ms since 1970, UTC, by the server's clock. None while it is
-    /// heard, before it was, and of a run that is over.
+    /// Last contact with the runner, or with the robot of a replica: ms since 1970, UTC, by the server's clock. Empty while there
+    /// is contact, before the first contact, and after the end of the run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub unheard_since_ms: Option<u64>,
-    /// The robot that it runs on, if that is far away and this is a replica.
+    /// Robot that executes the run, if this is a replica.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub robot: Option<String>,
 }
 
-/// The latest truth about one run.
+/// Current status of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RunNow {
-    /// In one line.
+    /// Summary of the run.
     pub run: RunSummary,
-    /// What its runner goes by; none before it said so, and of a run that was over before the server began.
+    /// The machine as loaded by the runner. Empty before the runner reports it, and for a run that ended before the server started.
     #[serde(default)]
     pub loaded: Option<LoadedMachine>,
-    /// Between server and runner.
+    /// Connection between server and runner.
     pub link: LinkState,
-    /// What the runner said last; none if it never did.
+    /// The newest snapshot. Empty before the first one.
     pub snapshot: Option<Snapshot>,
-    /// When the runner said it: ms since 1970, UTC, by the server's clock.
+    /// Arrival time of the snapshot: ms since 1970, UTC, by the server's clock.
     pub snapshot_ms: Option<u64>,
-    /// When the runner was heard last: ms since 1970, UTC, by the server's clock; none if it never was. While the link is up it is
-    /// heard all the time, and this is told beside other news only.
+    /// Last contact with the runner: ms since 1970, UTC, by the server's clock. Empty before the first contact. While the link is
+    /// up, contact is continuous, and this value is updated only together with other changes.
     #[serde(default)]
     pub runner_heard_ms: Option<u64>,
-    /// The server's clock when it answers, and in a status of a subscription when it changed: ms since 1970, UTC.
+    /// The server's clock at the time of the reply, or, in a subscription, of the change: ms since 1970, UTC.
     pub now_ms: u64,
-    /// Who commands.
+    /// User in control, and requests for control.
     pub control: Control,
-    /// How the link to its robot is; none if the run is not far away. Told while someone looks on.
+    /// Health of the link to the robot. Empty if the run is local. Updated while the run has viewers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub robot: Option<LinkHealth>,
 }
 
-/// The machine of a run, as its runner has read it.
+/// The machine of a run, as loaded by its runner.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LoadedMachine {
-    /// How many states it has.
+    /// Number of states in the machine.
     pub states: u64,
-    /// Faults that did not keep it from being read, one line each.
+    /// Faults that did not prevent loading, one line each.
     pub problems: Vec<String>,
 }
 
-/// The connection between server and runner.
+/// State of the connection between server and runner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum LinkState {
-    /// It stands.
+    /// Connected, and the runner responds.
     Up,
-    /// It stands, but the runner does not answer: it is stopped, swapped out or hangs, and what it said last may be old.
+    /// Connected, but the runner does not respond: it is stopped, swapped out or hangs. Its last snapshot may be outdated.
     Silent,
-    /// It stands and the runner answers, but its engine has not taken inputs for some seconds: nothing moves on, and no command is
-    /// carried out. `runner_heard_ms` is when the engine was reached last.
+    /// Connected, and the runner responds, but its engine has accepted no input for some seconds. There is no progress, and
+    /// commands are not executed. `runner_heard_ms` is the last contact with the engine.
     Stuck,
-    /// It is gone, or being made.
+    /// The connection is lost or is being established.
     Down,
-    /// The run is over: there is nothing to connect to.
+    /// The run is over, so there is no connection.
     #[default]
     Over,
 }
 
-/// Who holds control of a run.
+/// Control of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Control {
-    /// The user; none: the first who commands takes it.
+    /// User in control. If empty, the first user who sends a command takes control.
     pub holder: Option<String>,
-    /// Since when: ms since 1970, UTC.
+    /// Time when the holder took control: ms since 1970, UTC.
     pub since_ms: u64,
-    /// When the holder was heard last: ms since 1970, UTC.
+    /// Last contact with the holder: ms since 1970, UTC.
     pub heard_ms: u64,
-    /// After how many ms of the holder's silence anyone with the right may take over.
+    /// Silence of the holder, in ms, after which any user with the right may take over.
     pub silence_ms: u64,
-    /// Who asks for it, the first first.
+    /// Users who request control, the oldest request first.
     pub requests: Vec<String>,
-    /// The user to whom the holder offers it, and who has not accepted yet.
+    /// User to whom the holder has offered control. Empty if no offer is open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub offered_to: Option<String>,
-    /// The epoch of authority: it rises each time control passes.
+    /// Epoch of authority. It increases each time control passes.
     #[serde(default)]
     pub epoch: u64,
 }
 
-/// What someone wants about control.
+/// A change of control that a user requests.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "move", rename_all = "snake_case")]
 pub enum ControlMove {
-    /// Ask for it; given at once if no one holds it.
+    /// Request control. It is granted at once if nobody holds it.
     Request,
-    /// Take back the own request; the holder takes back the offer.
+    /// Withdraw the user's own request, or the holder's offer.
     Withdraw,
-    /// Give it to a user: at once if that user requested it, else as an offer, which the user accepts or declines. The holder
-    /// keeps control until then.
+    /// Hand control to a user. If that user has requested it, control passes at once. Otherwise the user is offered control and may
+    /// accept or decline; the holder keeps control until then.
     HandOver {
-        /// To this user.
+        /// The user who receives control.
         to: String,
     },
-    /// Hold it no more.
+    /// Release control without a successor.
     Release,
-    /// Take it from a holder who is silent.
+    /// Take control from a silent holder.
     TakeOver,
     /// Accept the holder's offer.
     Accept,
     /// Decline the holder's offer.
     Decline,
-    /// Take it from any holder at once. Needs the right to administer, and is on record.
+    /// Take control from any holder at once. Requires the right to administer, and is recorded.
     Override,
 }
 
-/// Which active state is asked about.
+/// Selects an active state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct StateAt {
-    /// Its path: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
 }
 
-/// How much of a run's output is asked for.
+/// Selects the amount of a run's output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 pub struct OutputEnd {
-    /// So many of the last bytes; left out: 65,536; at most 1,048,576.
+    /// Number of bytes from the end. The default is 65,536, the maximum 1,048,576.
     #[serde(default)]
     pub bytes: Option<u64>,
 }
 
-/// The end of what a runner and its scripts wrote past the capture of script output.
+/// Tail of the output of a runner and its scripts that bypassed the capture of script output.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RunOutput {
-    /// The text; what is not UTF-8 is replaced.
+    /// The text. Bytes that are not UTF-8 are replaced.
     pub text: String,
-    /// How many bytes come before it.
+    /// Number of bytes before the text.
     pub from: u64,
-    /// How many bytes there are in all.
+    /// Total size of the output in bytes.
     pub bytes: u64,
 }
 
-/// The values at the end of a run, by name.
+/// Final values of a run, by name.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct RunResults {
-    /// The outputs of the root.
+    /// Outputs of the root.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub outputs: crate::Values,
-    /// Global variables at the end.
+    /// Final values of global variables.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub globals: crate::Values,
-    /// The scoped variables of the root.
+    /// Scoped variables of the root.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub scoped_variables: crate::Values,
 }
 
-/// What became of a command.
+/// Result of a command.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct CommandAnswer {
-    /// The command's id.
+    /// Id of the command.
     pub id: String,
-    /// The answer.
+    /// Result of the command.
     #[serde(flatten)]
     pub answer: Answer,
 }
@@ -307,11 +307,11 @@ pub struct CommandAnswer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct HistoryEntry {
-    /// Counts from 1.
+    /// Sequence number, counted from 1.
     pub sequence: u64,
     /// Time since the start of the run, in ns.
     pub t_ns: u64,
-    /// What happened.
+    /// The event itself.
     pub event: Event,
 }
 
@@ -321,31 +321,31 @@ pub struct HistoryEntry {
 pub struct EventPage {
     /// The events, in order.
     pub events: Vec<HistoryEntry>,
-    /// Where the next page begins: everything before was looked at. Beyond `last`, there is no more so far.
+    /// First event of the next page. All earlier events have been searched. If it is beyond `last`, no more events exist yet.
     pub next: u64,
-    /// The last event that there is so far.
+    /// Last event that exists at present.
     pub last: u64,
 }
 
-/// Which runs are kept; what is left out has no limit. The 10 newest stay whatever they take, and so does every run in progress.
+/// Retention limits for runs. Empty fields set no limit. The 10 newest runs and all active runs are always kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(default)]
 pub struct Retention {
-    /// So many of the newest.
+    /// Maximum number of runs to keep.
     pub count: Option<u32>,
-    /// Those of the last so many days.
+    /// Maximum age of a run, in days.
     pub days: Option<u32>,
-    /// The newest that take so many bytes together.
+    /// Maximum total size of the runs, in bytes.
     pub bytes: Option<u64>,
 }
 
-/// A run that was given up.
+/// A run that was deleted by the retention limits.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Pruned {
-    /// Its id.
+    /// Id of the run.
     pub id: String,
-    /// What it took on disk, in bytes.
+    /// Size that it had on disk, in bytes.
     pub bytes: u64,
 }

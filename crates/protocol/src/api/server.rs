@@ -3,34 +3,34 @@
 use super::{MachineSummary, RunSummary};
 use serde::{Deserialize, Serialize};
 
-/// Whether the server is there; told to anyone.
+/// Proof that the server is running. It needs no login.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Health {
     /// Always `rafcon`.
     pub program: String,
-    /// Its version.
+    /// Version of the server.
     pub version: String,
 }
 
-/// The latest truth about everything that the server looks after.
+/// Current status of everything that the server manages.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ServerStatus {
-    /// Changes whenever a file of a project or library does: ask for the trees again.
+    /// Number that changes with every change of a project or library file. Clients then request the trees again.
     pub files_revision: u64,
-    /// Open machines.
+    /// All open machines.
     pub machines: Vec<MachineSummary>,
-    /// Runs in progress, and those that changed since the server began; the newest first.
+    /// Active runs, and runs that changed since the server started, the newest first.
     pub runs: Vec<RunSummary>,
 }
 
-/// Why a request was refused: what, where, and the way out.
+/// Reason for a refused request: cause, location and remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Refusal {
-    /// For programs: a stable word in `snake_case`.
+    /// Stable code in `snake_case`, for programs.
     pub code: String,
-    /// For people.
+    /// Message for people.
     pub message: String,
 }

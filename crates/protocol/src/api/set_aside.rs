@@ -1,4 +1,4 @@
-//! Edits that a server had confirmed and that the next one could not apply.
+//! Edits that one server confirmed and its successor could not apply.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SetAsideDraft {
-    /// Names it in requests.
+    /// Id for requests.
     pub id: String,
-    /// ms since 1970, UTC; 0 if an earlier version of the server set it aside.
+    /// Time in ms since 1970, UTC. 0 if an earlier version of the server set it aside.
     pub at_ms: u64,
     /// Reason why the edits cannot be applied.
     pub reason: String,
-    /// The number of its edits.
+    /// Number of its edits.
     pub count: u64,
-    /// The edits, the oldest first; the first 1,000 of them.
+    /// Up to 1,000 of the edits, the oldest first.
     pub edits: Vec<SetAsideEdit>,
 }
 
@@ -22,11 +22,11 @@ pub struct SetAsideDraft {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SetAsideEdit {
-    /// The user.
+    /// Name of the user.
     pub author: String,
-    /// ms since 1970, UTC.
+    /// Time in ms since 1970, UTC.
     pub at_ms: u64,
-    /// The name of the step.
+    /// Name of the step.
     pub name: String,
     /// Description of the change.
     pub what: String,

@@ -1,68 +1,68 @@
-//! What was done to an open machine: a tree of steps, and the way to any of them.
+//! History of an open machine: a tree of steps, each of which can be restored.
 
 use serde::{Deserialize, Serialize};
 
-/// What made a revision.
+/// Cause of a revision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum RevisionKind {
-    /// An edit.
+    /// An edit by a user.
     Edit,
-    /// Its author took a step back.
+    /// The author undid a step.
     Undo,
-    /// Its author made a step again.
+    /// The author redid a step.
     Redo,
-    /// The files were read again.
+    /// The files were reloaded.
     Reload,
-    /// The machine became what it was at an earlier revision.
+    /// An earlier revision was restored.
     Jump,
 }
 
-/// The steps of an open machine that are known: a tree, for whoever goes back and on takes another branch. A node is a revision
-/// without `same_as`, or the start; it hangs on the node of the revision before.
+/// Known steps of an open machine. They form a tree, because an edit after an undo starts a new branch. A node is the start, or a
+/// revision without `same_as`. Its parent is the node of the previous revision.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineSteps {
-    /// The revision as which the machine was read: the root of the tree.
+    /// Revision at which the machine was loaded: the root of the tree.
     pub start: u64,
-    /// In order; without a gap, but the oldest go when there are too many.
+    /// Steps in order, without gaps. The oldest are deleted if there are too many.
     pub steps: Vec<MachineStep>,
 }
 
-/// A revision of an open machine, without what it changed.
+/// A revision of an open machine, without its changes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct MachineStep {
-    /// Its number.
+    /// Number of the revision.
     pub revision: u64,
     /// The id of the edit, undo, redo, reload or jump.
     pub id: String,
-    /// Who made it.
+    /// User who made the change.
     pub author: String,
-    /// What it is called; an undo has the name of what it takes back.
+    /// Name of the step. An undo has the name of the step that it undoes.
     pub name: String,
-    /// When: ms since 1970, UTC.
+    /// Time of the change: ms since 1970, UTC.
     pub at_ms: u64,
-    /// What it was.
+    /// Kind of change.
     pub kind: RevisionKind,
-    /// The earliest revision that is known at which the machine was the very same; none if it never was.
+    /// Earliest known revision with identical content, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_as: Option<u64>,
-    /// Whether the machine can still become what it was then.
+    /// True if the machine can still be restored to this revision.
     pub is_kept: bool,
 }
 
-/// Makes an open machine what it was at another revision: a step like any other, which its author can take back.
+/// Request to restore another revision of an open machine. It creates a step that its author can undo.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct JumpMachine {
-    /// Chosen by the sender; the same id is carried out once.
+    /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
-    /// The revision.
+    /// Revision to restore.
     pub revision: u64,
-    /// Also if that takes steps of other people away.
+    /// True to restore even if this undoes steps of other users.
     #[serde(default)]
     pub over_others: bool,
 }

@@ -1,215 +1,215 @@
-//! A long run seen through a window: what had been before it, what it holds, and the whole run drawn so wide. Each answer is bounded,
+//! Views of a part of a long run: the state before the part, its events, and an overview at a given width. Each reply is bounded,
 //! however long the run is.
 
 use super::HistoryEntry;
 use serde::{Deserialize, Serialize};
 
-/// What was active after one event, without its data.
+/// States that are active after one event, without their data.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Before {
-    /// The event; 0: before the first.
+    /// Number of the event. 0 for the moment before the first event.
     pub sequence: u64,
-    /// When it happened, in ns since the start of the run.
+    /// Time of the event, in ns since the start of the run.
     pub t_ns: u64,
-    /// Active states, each after the state around it.
+    /// Active states, each after its parent.
     pub active: Vec<ActiveSince>,
 }
 
-/// An active state, and since when.
+/// An active state and its entry.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ActiveSince {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// The event that it was entered by.
+    /// Event by which it was entered.
     pub sequence: u64,
-    /// When, in ns since the start of the run.
+    /// Entry time, in ns since the start of the run.
     pub t_ns: u64,
 }
 
-/// Which part of a run's events is wanted.
+/// Selects a part of a run's events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct WindowQuery {
-    /// The first event; counts from 1.
+    /// First event, counted from 1.
     pub from: u64,
-    /// So many events are looked at; 20,000 is the most, and what is looked at if it is left out. Those that only carry a value are
-    /// left out.
+    /// Number of events to read. The default and the upper limit are 20,000. Events that only carry a value are omitted.
     pub count: Option<u32>,
 }
 
-/// A part of a run's events, and what was active before it.
+/// A part of a run's events, and the states active before it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Window {
-    /// What was active before the first event.
+    /// States active before the first event.
     pub before: Before,
-    /// The events, in order, without values.
+    /// The events in order, without values.
     pub events: Vec<HistoryEntry>,
-    /// The first event behind the part.
+    /// First event after the part.
     pub next: u64,
-    /// The last event that there is so far.
+    /// Last event that exists at present.
     pub last: u64,
 }
 
-/// What states did up to one event, and the events up to it that are worth a mark.
+/// Activity of states up to one event, and the notable events up to it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EarlierHistory {
-    /// The event.
+    /// Number of the event.
     pub sequence: u64,
     /// Every state that was entered.
     pub states: Vec<EarlierState>,
-    /// Failures, warnings, commands, questions, hits of breakpoints, changes of the machine and the like: at most 5000, the newest.
+    /// The newest notable events, at most 5000: failures, warnings, commands, questions, hits of breakpoints, changes of the
+    /// machine and the like.
     pub notable: Vec<HistoryEntry>,
 }
 
-/// What a state did up to an event. Steps back are not counted.
+/// Activity of a state up to an event. Steps back are not counted.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EarlierState {
-    /// Ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// How often it was entered.
+    /// Number of entries of the state.
     pub entries: u64,
-    /// How often it ran to its end.
+    /// Number of completed executions.
     pub ends: u64,
-    /// Time that it was active, all together, in ns.
+    /// Total active time, in ns.
     pub total_ns: u64,
-    /// The shortest, in ns.
+    /// Shortest execution, in ns.
     pub min_ns: u64,
-    /// The longest, in ns.
+    /// Longest execution, in ns.
     pub max_ns: u64,
-    /// Its last entry.
+    /// Last entry of the state.
     pub entered: Option<EventTime>,
-    /// Its last end.
+    /// Last end of the state.
     pub left: Option<EndTime>,
 }
 
-/// When something happened.
+/// An event and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EventTime {
-    /// The event.
+    /// Number of the event.
     pub sequence: u64,
-    /// When, in ns since the start of the run.
+    /// Time, in ns since the start of the run.
     pub t_ns: u64,
 }
 
-/// When and how a state ended.
+/// Time and outcome of a state's end.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct EndTime {
-    /// The event.
+    /// Number of the event.
     pub sequence: u64,
-    /// When, in ns since the start of the run.
+    /// Time, in ns since the start of the run.
     pub t_ns: u64,
-    /// How.
+    /// Outcome of the state.
     pub outcome: crate::Outcome,
 }
 
-/// Which part of a run's time is wanted, and how wide it is drawn.
+/// Selects a part of a run's time, and the width of its drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct OverviewQuery {
-    /// From this time on, in ns since the start of the run.
+    /// Start of the part, in ns since the start of the run.
     pub from_ns: u64,
-    /// Up to this time; all that there is if it is left out.
+    /// End of the part, in ns since the start of the run. The default is the end of the run.
     pub to_ns: Option<u64>,
-    /// On so many pixels: 10,000 at most. Calls narrower than two of them come together.
+    /// Width in pixels, at most 10,000. Calls narrower than two pixels are merged.
     pub pixels: Option<u32>,
 }
 
-/// The calls of a part of a run's time, as wide as they are drawn.
+/// Calls in a part of a run's time, for a drawing of a given width.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Overview {
-    /// The last event that there is so far.
+    /// Last event that exists at present.
     pub sequence: u64,
-    /// When it happened, in ns since the start of the run.
+    /// Time of that event, in ns since the start of the run.
     pub t_ns: u64,
-    /// States of which two children ran at once.
+    /// Paths of states with children that ran concurrently.
     pub concurrent: Vec<String>,
-    /// States that the bars name, by number.
+    /// Paths of the states, to which bars refer by index.
     pub paths: Vec<String>,
-    /// Calls that never run side by side, a list for each place where some do.
+    /// Rows of calls that do not overlap. Concurrent children have a row each.
     pub rows: Vec<OverviewRow>,
 }
 
-/// Calls of a state's children one after the other; of concurrent children a row for each.
+/// Successive calls of a state's children. Each concurrent child has its own row.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct OverviewRow {
-    /// One of the states whose calls these are, by its number; the row stands where it does.
+    /// Index of one of the states called. It determines the position of the row.
     pub place: u32,
-    /// From left to right.
+    /// Bars from left to right.
     pub bars: Vec<OverviewBar>,
 }
 
-/// A call, or several that are too narrow to be drawn.
+/// A call, or several calls that are too narrow to draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct OverviewBar {
-    /// When the first began, in ns since the start of the run.
+    /// Start of the first call, in ns since the start of the run.
     pub from_ns: u64,
-    /// When the last ended; none while it goes on.
+    /// End of the last call. Empty while that call is active.
     pub to_ns: Option<u64>,
-    /// How many calls.
+    /// Number of calls in the bar.
     pub many: u64,
-    /// How many of them failed: ended by *aborted*, or left an error.
+    /// Number of failed calls: ended by *aborted* or with an error.
     pub failed: u64,
-    /// The state of the first, by its number.
+    /// Index of the first call's state.
     pub place: u32,
-    /// The event that the first was entered by.
+    /// Event by which the first call was entered.
     pub sequence: u64,
-    /// How the first ended.
+    /// Type of end of the first call.
     pub end: CallEnd,
 }
 
-/// How a call ended.
+/// Type of end of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum CallEnd {
-    /// It goes on.
+    /// The call is still active.
     Open,
-    /// By an outcome of its own.
+    /// Ended by an outcome of its own.
     Ended,
-    /// By *aborted*, or with an error.
+    /// Ended by *aborted* or with an error.
     Aborted,
-    /// By *preempted*.
+    /// Ended by *preempted*.
     Preempted,
-    /// It was a step back, or was undone by one.
+    /// The call was a step back or was undone by one.
     Back,
     /// The run went back, or its runner died.
     Dropped,
 }
 
-/// How far the states of a run are counted.
+/// Selects the part of a run for statistics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct StatisticsQuery {
-    /// Up to this event; all that there is if it is left out.
+    /// Last event to count. The default is the last event of the run.
     pub until: Option<u64>,
 }
 
-/// What is searched for in a run.
+/// Search for text in a run.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::IntoParams, ts_rs::TS))]
 #[cfg_attr(feature = "schema", into_params(parameter_in = Query))]
 #[serde(default)]
 pub struct HitQuery {
-    /// In names of states that are entered, outcomes of states that end, and lines of the log; whatever its case.
+    /// Text to find in names of entered states, outcomes of ended states, and lines of the log, in any case.
     pub text: String,
-    /// The first event that is looked at; counts from 1.
+    /// First event to search, counted from 1.
     pub from: u64,
-    /// At most so many hits; 1000 is the most, and what is given if it is left out.
+    /// Maximum number of hits. The default and the upper limit are 1000.
     pub count: Option<u32>,
 }
