@@ -1,5 +1,5 @@
-//! Prints the words that browsers and the server exchange as TypeScript: one module, types sorted by name.
-//! Knows which words there are; `cargo xtask types` writes what it prints into the web application.
+//! Prints the data types that browsers and the server exchange as TypeScript: one module, types sorted by name.
+//! Lists these types. `cargo xtask types` writes the output into the web application.
 #![expect(clippy::print_stdout, reason = "its output is what it is for")]
 
 use rafcon_protocol::document::{Change, Document};
@@ -16,7 +16,7 @@ const HEAD: &str = "\
 // Numbers that count (sequences, revisions, times) stay below 2^53.
 ";
 
-/// Declarations by name, found by following types to those that they name.
+/// Declarations by name, found by following type references.
 struct Words {
     config: Config,
     found: BTreeMap<String, String>,
@@ -49,7 +49,7 @@ fn main() {
     println!("export const FRAMES_VERSION = {};", rafcon_protocol::socket::VERSION);
 }
 
-/// A declaration with its members indented, and remarks of one line on one line.
+/// Formats a declaration: indented members, and one-line comments on one line.
 fn laid_out(declared: &str) -> String {
     let declared = declared.replace("/**\n * ", "/** ").replace("\n */", " */");
     let mut depth = 0;

@@ -1,18 +1,17 @@
-//! What scripts were running when a runner died: two small files in the run's folder, written as the run goes.
+//! Record of the scripts that are running, for the case that the runner dies: two small files in the run's folder.
 //!
-//! [`SLOTS_FILE`] holds one little-endian `u32` for each thread of the runner: 0, or the number of a line of
-//! [`PATHS_FILE`], counted from 1. Each line is the path of a state. The files outlive any death of the process, and are
-//! true at that moment: a script is marked before it begins.
+//! [`SLOTS_FILE`] holds one little-endian `u32` for each thread of the runner: 0, or the number of a line of [`PATHS_FILE`],
+//! counted from 1. Each line is the path of a state. The files survive the death of the process and are exact at that moment: a
+//! script is marked before it begins.
 
 /// Name of the file with one number for each thread.
 pub const SLOTS_FILE: &str = "active";
 /// Name of the file with one path on each line.
 pub const PATHS_FILE: &str = "paths";
-/// How many threads have a number; scripts on further threads are not marked.
+/// Number of threads with a slot. Scripts on further threads are not marked.
 pub const SLOTS: usize = 4096;
 
-/// The paths of the states whose scripts run, each once, in the order of the alphabet. Never fails: what is cut off or wrong
-/// is left out.
+/// Returns the paths of the states whose scripts run, sorted and without duplicates. Truncated or invalid entries are skipped.
 pub fn running(slots: &[u8], paths: &str) -> Vec<String> {
     let lines: Vec<&str> = paths.lines().collect();
     let numbers = slots

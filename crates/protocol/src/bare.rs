@@ -1,17 +1,17 @@
-//! Events for whoever wants no values. Knows what is told all the same, but not who listens.
+//! Events for readers that do not request values: removes values and shortens errors.
 
 use crate::Event;
 use serde_json::{Value, json};
 
-/// So many characters of an error's text are told without values.
+/// Maximum number of characters of an error's text without values.
 const ERROR_MAX: usize = 200;
 
-/// Whether an event is nothing but a value: then it is not told at all.
+/// Returns true for events that only carry a value. They are omitted without values.
 pub fn is_about_values(event: &Event) -> bool {
     matches!(event, Event::Scoped { .. } | Event::Global { .. } | Event::Persistent { .. })
 }
 
-/// Leaves out inputs and outputs of states, and shortens their errors.
+/// Removes inputs and outputs of states and shortens their errors.
 pub fn without_values(event: &mut Event) {
     match event {
         Event::Entered { inputs, .. } => *inputs = None,
@@ -23,8 +23,8 @@ pub fn without_values(event: &mut Event) {
     }
 }
 
-/// An error in few words, whatever it is: class and text of an exception, a text, else how it looks; none of them longer than
-/// 200 characters.
+/// Shortens an error of any kind: class and text of an exception, a text, or the text form of another value. Each is cut to 200
+/// characters.
 pub fn short_error(error: Value) -> Value {
     match error {
         Value::String(text) => cut(&text).into(),

@@ -1,4 +1,4 @@
-//! Where a run holds by itself.
+//! Breakpoints, at which a run holds by itself.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,30 +6,30 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Breakpoint {
-    /// Chosen by whoever sets it; the same id replaces the earlier one.
+    /// Id chosen by the client. A breakpoint with an equal id is replaced.
     pub id: u64,
-    /// The state: ids joined by `/`.
+    /// Path of the state: ids joined by `/`.
     pub path: String,
-    /// On which side of the state.
+    /// Side of the state.
     #[serde(default)]
     pub when: When,
-    /// A Python expression over `inputs`, `outputs` (after exit), `scoped` (dicts by port name), `outcome` (after exit) and
-    /// `gvm`; it holds only if this is true, or cannot be evaluated.
+    /// Python expression over `inputs`, `outputs` (after exit), `scoped` (dicts by port name), `outcome` (after exit) and `gvm`.
+    /// The breakpoint holds only if the expression is true or cannot be evaluated.
     #[serde(default)]
     pub condition: Option<String>,
-    /// Holds from the n-th time on that it is passed and its condition is true; 0 and 1 mean each time.
+    /// Number of passes with a true condition from which on the breakpoint holds. 0 and 1 mean each pass.
     #[serde(default)]
     pub hit_count: u32,
-    /// What is held.
+    /// Branches that are held.
     #[serde(default)]
     pub scope: Scope,
-    /// What happens while no one is connected.
+    /// Action while no viewer is connected.
     #[serde(default)]
     pub unattended: Unattended,
-    /// The same happens once nobody on the ground was heard for so many ms; `None`: silence makes no difference.
+    /// Silence of the ground, in ms, after which the action `unattended` applies as well. `None` to ignore silence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lost_link_ms: Option<u64>,
-    /// A disabled one does nothing and is kept.
+    /// False to keep the breakpoint without effect.
     #[serde(default = "yes")]
     pub enabled: bool,
 }
@@ -38,40 +38,40 @@ fn yes() -> bool {
     true
 }
 
-/// On which side of a state.
+/// Side of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum When {
-    /// Before it is entered.
+    /// Before the state is entered.
     #[default]
     Before,
-    /// After it was left, before what follows.
+    /// After the state was left, before the next one.
     After,
 }
 
-/// What a breakpoint holds.
+/// Branches that a breakpoint holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Scope {
-    /// The branch that came to it.
+    /// The branch that reached the breakpoint.
     #[default]
     Branch,
     /// All branches, as a pause does.
     Run,
 }
 
-/// What a breakpoint does while no one is connected.
+/// Action of a breakpoint while no viewer is connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Unattended {
-    /// Holds all the same.
+    /// Hold as usual.
     #[default]
     Hold,
-    /// Holds nothing, and releases what it held when the last viewer was lost.
+    /// Do not hold. What the breakpoint holds is released when the last viewer disconnects.
     Continue,
-    /// Stops the run.
+    /// Stop the run.
     Stop,
 }

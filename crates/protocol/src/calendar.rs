@@ -3,22 +3,22 @@
 /// A date and a time of day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Date {
-    /// Such as 2026.
+    /// Year, such as 2026.
     pub year: u64,
-    /// The month, from 1.
+    /// Month, counted from 1.
     pub month: u64,
-    /// The day of the month, from 1.
+    /// Day of the month, counted from 1.
     pub day: u64,
-    /// Counted from 0.
+    /// Hour, counted from 0.
     pub hour: u64,
-    /// Counted from 0.
+    /// Minute, counted from 0.
     pub minute: u64,
-    /// Counted from 0.
+    /// Second, counted from 0.
     pub second: u64,
 }
 
 impl Date {
-    /// The date this many seconds after 1970-01-01.
+    /// Returns the date this many seconds after 1970-01-01.
     pub fn since_1970(seconds: u64) -> Self {
         let (days, second) = (seconds / 86_400, seconds % 86_400);
         // Years begin on March 1, so that the leap day is the last day of a year.
@@ -33,7 +33,7 @@ impl Date {
         Self { year: year + era * 400 + next_year, month, day, hour, minute, second }
     }
 
-    /// Seconds since 1970-01-01; `None` if the calendar has no such date or it is earlier.
+    /// Returns seconds since 1970-01-01. `None` if the date does not exist or is earlier.
     fn seconds(&self) -> Option<u64> {
         let Self { year, month, day, hour, minute, second } = *self;
         let is_time = hour < 24 && minute < 60 && second < 60;
@@ -45,12 +45,12 @@ impl Date {
         let days = 365 * year + year / 4 - year / 100 + (153 * month + 2) / 5 + day - 1;
         let days = (era * 146_097 + days).checked_sub(719_468)?;
         let seconds = days * 86_400 + hour * 3_600 + minute * 60 + second;
-        // Another date comes back from a day that the month does not have.
+        // A day that the month does not have yields another date.
         (Self::since_1970(seconds) == *self).then_some(seconds)
     }
 }
 
-/// A time in ms since 1970 in ISO 8601: `2026-01-31T12:00:00Z`, with milliseconds only if there are any.
+/// Formats a time in ms since 1970 in ISO 8601: `2026-01-31T12:00:00Z`. Milliseconds are written only if they are not zero.
 pub fn utc_text(ms: u64) -> String {
     let date = Date::since_1970(ms / 1000).to_string().replace(' ', "T");
     match ms % 1000 {
@@ -59,7 +59,7 @@ pub fn utc_text(ms: u64) -> String {
     }
 }
 
-/// The time of a text as [`utc_text`] writes it, in ms since 1970. Seconds and their fraction may be missing.
+/// Parses a time as written by [`utc_text`], in ms since 1970. Seconds and their fraction are optional.
 pub fn utc_ms(text: &str) -> Option<u64> {
     let (date, time) = text.strip_suffix('Z')?.split_once('T')?;
     let [year, month, day] = numbers(date, '-', [4, 2, 2])?;
@@ -75,7 +75,7 @@ pub fn utc_ms(text: &str) -> Option<u64> {
     Some(seconds * 1000 + ms)
 }
 
-/// Three numbers with these numbers of digits.
+/// Parses three numbers with given numbers of digits.
 fn numbers(text: &str, between: char, digits: [usize; 3]) -> Option<[u64; 3]> {
     let parts: Vec<&str> = text.split(between).collect();
     let is_number = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
@@ -87,14 +87,14 @@ fn numbers(text: &str, between: char, digits: [usize; 3]) -> Option<[u64; 3]> {
     numbers?.try_into().ok()
 }
 
-/// One to three digits behind the point, as ms.
+/// Parses one to three digits after the decimal point as ms.
 fn fraction_ms(digits: &str) -> Option<u64> {
     let is_fit =
         (1..=3).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
     is_fit.then(|| format!("{digits:0<3}").parse().ok()).flatten()
 }
 
-/// As in the files of machines: `2026-01-31 12:00:00`.
+/// Formats the date as in machine files: `2026-01-31 12:00:00`.
 impl std::fmt::Display for Date {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { year, month, day, hour, minute, second } = self;

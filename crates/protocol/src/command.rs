@@ -1,46 +1,46 @@
-//! What a person or program asks of a run.
+//! Commands to a run.
 
 use crate::{Breakpoint, LinkLifetime, OnCrash, wait_for_contact};
 use serde::{Deserialize, Serialize};
 
-/// A command with what law 7 asks for: an id, the moment it was decided on, and an expiry.
+/// A command with its metadata: id, author, expiry, and the state of the run that the sender knew.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Envelope {
-    /// Chosen by the sender, of 128 bytes at most; the same id is carried out once. A server puts the user's name before it.
+    /// Id chosen by the sender, at most 128 bytes. Each id is executed once. A server prepends the user's name.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 193))]
     pub id: String,
-    /// Who asks, for the record.
+    /// Author of the command, for the record.
     #[serde(default)]
     pub author: String,
-    /// The sequence number of the last event that the sender had seen, if it decided on events.
+    /// Sequence number of the last event that the sender had seen, if the decision was based on events.
     #[serde(default)]
     pub decided_on: Option<u64>,
-    /// When the command is no longer wanted.
+    /// Expiry of the command.
     #[serde(default)]
     pub expiry: Option<Expiry>,
-    /// Before which moment it is not carried out: ms since 1970 UTC by the clock of whoever is asked. Only a robot behind a link keeps
-    /// a command for later.
+    /// Earliest time of effect: ms since 1970, UTC, by the receiver's clock. Only a robot behind a link stores a command until
+    /// then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub not_before: Option<u64>,
-    /// The epoch of authority under which the sender decided: the command is refused if control has passed since.
+    /// Epoch of authority under which the sender decided. The command is refused if control has passed since.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub epoch: Option<u64>,
-    /// What is asked.
+    /// The command itself.
     pub command: Command,
 }
 
 impl Envelope {
-    /// A command with nothing but what each has.
+    /// Creates a command with an id and an author, and without optional metadata.
     pub fn new(id: impl Into<String>, author: impl Into<String>, command: Command) -> Self {
         let (id, author) = (id.into(), author.into());
         Self { id, author, decided_on: None, expiry: None, not_before: None, epoch: None, command }
     }
 
-    /// Adds the expiry of a command of a person, unless it has one. `now_ms` is the runner's clock; `link` is the lifetime of
-    /// commands over the link to the run, if there is one.
+    /// Adds the default expiry of commands from people, if the command has none. `now_ms` is the runner's clock. `link` gives the
+    /// lifetime of commands over the link to the run, if there is one.
     #[must_use]
     pub fn dated(self, now_ms: u64, link: Option<LinkLifetime>) -> Self {
         let contact_ms = link.and_then(|link| link.contact_ms);
@@ -56,14 +56,14 @@ impl Envelope {
     }
 }
 
-/// The moment after which a command must not be carried out, in ms since 1970 UTC by the runner's clock.
+/// Time after which a command must not be executed: ms since 1970, UTC, by the runner's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Expiry(pub u64);
 
 impl Command {
-    /// For how long a person who gives the command wants it, in ms: the one rule of the page, `rafcon attach` and `rafcon tell`.
-    /// `None`: it is wanted whenever it arrives, for it only brings the run to its end.
+    /// Default lifetime of a command from a person, in ms, for the page, `rafcon attach` and `rafcon tell`. `None` for commands
+    /// that end the run: they never expire.
     pub fn lifetime_ms(&self) -> Option<u64> {
         match self {
             Self::Stop | Self::Kill => None,
@@ -71,7 +71,7 @@ impl Command {
         }
     }
 
-    /// The type of the command, as in its JSON.
+    /// Returns the type of the command, as in its JSON.
     pub fn type_name(&self) -> &'static str {
         match self {
             Self::Start { .. } => "start",
@@ -100,31 +100,32 @@ impl Command {
         }
     }
 
-    /// Whether everyone who may command can give it, whoever holds control: it brings a robot to rest.
+    /// Returns true for commands that need no control of the run, because they bring the robot to rest. The right to command is
+    /// enough.
     pub fn is_for_everybody(&self) -> bool {
         matches!(self, Self::Stop | Self::Pause)
     }
 }
 
-/// Everything that can be asked of a run. Paths are state ids joined by `/`.
+/// A command. Paths are state ids joined by `/`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Command {
-    /// Begin; in a run in which everything is held or waits: begin again, elsewhere or with other data.
+    /// Begin the run. If everything is held or waits, start again, optionally elsewhere or with other data.
     Start {
-        /// Begin at this state.
+        /// Path of the state to begin at.
         #[serde(default)]
         from: Option<String>,
-        /// Values instead of those that would be there: input ports and scoped variables of the states on the way.
+        /// Values that replace the current ones, for input ports and scoped variables of the states on the path.
         #[serde(default)]
         data: Vec<Given>,
     },
     /// Hold every hierarchy before its next child.
     Pause,
-    /// Go on after a pause, a step or a breakpoint.
+    /// Continue after a pause, a step or a breakpoint.
     Resume {
-        /// See [`Command::StepInto`].
+        /// Branch to resume; see [`Command::StepInto`].
         #[serde(default)]
         branch: Option<String>,
     },
@@ -132,112 +133,112 @@ pub enum Command {
     Stop,
     /// End the runner at once, whatever its scripts do.
     Kill,
-    /// Hold before the first child, or wherever the run is, and then go step by step.
+    /// Hold before the next child, and then proceed step by step.
     StepMode,
-    /// One child further, entering it.
+    /// Step to the next child and enter it.
     StepInto {
-        /// The branch (path of a child of a concurrency state); `None`: all branches.
+        /// Path of the branch (a child of a concurrency state). `None` for all branches.
         #[serde(default)]
         branch: Option<String>,
     },
-    /// One child further, running all that is in it.
+    /// Step to the next child and run it completely.
     StepOver {
-        /// See [`Command::StepInto`].
+        /// Branch to step; see [`Command::StepInto`].
         #[serde(default)]
         branch: Option<String>,
     },
-    /// To the end of the container.
+    /// Step to the end of the container.
     StepOut {
-        /// See [`Command::StepInto`].
+        /// Branch to step; see [`Command::StepInto`].
         #[serde(default)]
         branch: Option<String>,
     },
-    /// One step back.
+    /// Undo one step.
     StepBack {
-        /// See [`Command::StepInto`].
+        /// Branch to step; see [`Command::StepInto`].
         #[serde(default)]
         branch: Option<String>,
     },
-    /// Run until before this state.
+    /// Run until the state before which to hold.
     RunTo {
-        /// The state.
+        /// Path of the state.
         path: String,
     },
-    /// Begin at this state, run it, then hold.
+    /// Begin at a state, run it, then hold.
     RunSelected {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// See [`Command::Start`].
+        /// Replaced values; see [`Command::Start`].
         #[serde(default)]
         data: Vec<Given>,
     },
-    /// Begin at this state, run it, then stop.
+    /// Begin at a state, run it, then stop.
     RunOnlySelected {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// See [`Command::Start`].
+        /// Replaced values; see [`Command::Start`].
         #[serde(default)]
         data: Vec<Given>,
     },
-    /// Begin again at an `entered` of the history with the data it had then, and hold there.
+    /// Start again at an `entered` event of the history with the data of that moment, and hold there.
     StartFromHistory {
-        /// The event's sequence number.
+        /// Sequence number of the event.
         sequence: u64,
     },
-    /// End a waiting or held state with this outcome, or skip the state before which its container is held.
+    /// End a waiting or held state by an outcome, or skip the state before which its container is held.
     ForceOutcome {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Id of its outcome.
+        /// Id of the outcome.
         outcome: i64,
     },
-    /// Ask one active state, and all in it, to end.
+    /// Preempt one active state and its descendants.
     Preempt {
-        /// The state.
+        /// Path of the state.
         path: String,
     },
-    /// Set a breakpoint; one with the same id is replaced.
+    /// Set a breakpoint. It replaces one with an equal id.
     SetBreakpoint {
-        /// All of it.
+        /// The whole breakpoint.
         breakpoint: Breakpoint,
     },
-    /// Remove a breakpoint.
+    /// Remove a breakpoint by id.
     RemoveBreakpoint {
-        /// Its id.
+        /// Id of the breakpoint.
         id: u64,
     },
     /// Answer the question of a state.
     AnswerQuestion {
-        /// The question's id.
+        /// Id of the question.
         question: u64,
-        /// The answer, of the shape that the question's form says.
+        /// The answer, in the shape that the question's form defines.
         value: serde_json::Value,
     },
-    /// Decide about states that a crash has interrupted.
+    /// Decide about states that a crash interrupted.
     Recover {
-        /// One of them; `None`: all.
+        /// Path of one interrupted state. `None` for all.
         #[serde(default)]
         path: Option<String>,
-        /// How: *ask* is refused here.
+        /// Policy to apply. *ask* is refused here.
         policy: OnCrash,
     },
-    /// Read the machine's folder again and go by what is there from now on.
+    /// Reload the machine's folder and use its content from now on.
     Reload {
-        /// Whether a change that touches an active state waits until it is left, instead of being refused.
+        /// True to delay a change that touches an active state until that state is left. False to refuse it.
         #[serde(default)]
         wait: bool,
     },
-    /// Change the script of a state from its next entry on, in the run only.
+    /// Change the script of a state from its next entry on, in this run only.
     EditScript {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// The whole new text.
+        /// The whole new script.
         script: String,
     },
-    /// Someone else commands from now on. A runner notes it down and obeys whom it did before: who may command is for
-    /// whoever lets people in to decide.
+    /// Record a change of control. The runner obeys all its viewers as before: the program that admits them decides who may
+    /// command.
     Control {
-        /// The user; `None`: no one.
+        /// User in control. `None` for nobody.
         #[serde(default)]
         holder: Option<String>,
     },
@@ -247,29 +248,29 @@ pub enum Command {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Given {
-    /// The state: the one that is begun at, or one around it.
+    /// Path of the state to begin at, or of one of its ancestors.
     pub path: String,
-    /// The port's name.
+    /// Name of the port or variable.
     pub name: String,
-    /// The value, as JSON.
+    /// The value as JSON.
     pub value: serde_json::Value,
 }
 
-/// What became of a command.
+/// Result of a command.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "answer", rename_all = "snake_case")]
 pub enum Answer {
-    /// It was carried out.
+    /// The command was executed.
     Applied,
-    /// It was not carried out, and why.
+    /// The command was not executed.
     Refused {
-        /// What, where, and the way out.
+        /// Cause, location and remedy.
         reason: String,
     },
-    /// It came too late, and was not carried out.
+    /// The command arrived too late and was not executed.
     Expired,
-    /// It expired without an answer of the robot, which may have carried it out.
+    /// The command expired without a reply from the robot, which may have executed it.
     Unknown {
         /// Cause, and how to find out.
         reason: String,

@@ -1,44 +1,44 @@
-//! What a run tells its viewers.
+//! Events and snapshots that a run sends to its viewers.
 
 use crate::{Answer, Breakpoint, Closing, Crash, Envelope, OnCrash, Question};
 use serde::{Deserialize, Serialize};
 
-/// Values by name, each as `docs/protocol.md` encodes it.
+/// Values by name, encoded as in `docs/protocol.md`.
 pub type Values = serde_json::Map<String, serde_json::Value>;
 
-/// What holds a branch.
+/// The reason why a branch is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum HeldBy {
-    /// A pause.
+    /// A pause of the run.
     Pause,
-    /// A step has come to its end.
+    /// The end of a step.
     Step,
-    /// The state that it was to run to.
+    /// The target of a *run to* command.
     RunTo,
-    /// A breakpoint.
+    /// A breakpoint that was hit.
     Breakpoint {
-        /// Its id.
+        /// Id of the breakpoint.
         id: u64,
     },
-    /// It is where the run, or its branch, begins.
+    /// The start of the run or of the branch.
     Start,
-    /// The policy of a state: nobody on the ground was heard for too long.
+    /// A policy of a state: the ground was silent for too long.
     Loss {
-        /// By which measure.
+        /// The kind of loss that the policy measures.
         loss: Loss,
     },
 }
 
-/// What a run has lost when nobody commands it any more (`docs/semantics.md`, Lost link).
+/// The kind of lost link that a policy measures (see "Lost link" in `docs/semantics.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
-    /// The ground is not heard.
+    /// Nothing was received from the ground.
     Link,
-    /// No command comes.
+    /// No command was received.
     Command,
 }
 
@@ -46,368 +46,369 @@ pub enum Loss {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Outcome {
-    /// Its id in the state.
+    /// Id of the outcome, unique in the state.
     pub id: i64,
-    /// Its name.
+    /// Name of the outcome.
     pub name: String,
 }
 
-/// How much a log line matters.
+/// Severity of a log line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum LogLevel {
-    /// Below debug.
+    /// More detailed than debug.
     Verbose,
-    /// For whoever looks for a fault.
+    /// Details for debugging.
     Debug,
-    /// For everyone.
+    /// Normal operation, for all users.
     Info,
-    /// Could be wrong.
+    /// A possible fault.
     Warning,
-    /// Is wrong.
+    /// A fault.
     Error,
 }
 
-/// Where script output came from.
+/// Source of a log line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Stream {
-    /// `sys.stdout`
+    /// The script's `sys.stdout`.
     Stdout,
-    /// `sys.stderr`
+    /// The script's `sys.stderr`.
     Stderr,
-    /// A logger.
+    /// A Python logger.
     Logger,
-    /// The engine's own notes.
+    /// The engine itself.
     Engine,
 }
 
-/// One event of a run. Paths are state ids joined by `/`; values are encoded as `docs/protocol.md` says.
+/// One event of a run. Paths are state ids joined by `/`. Values are encoded as in `docs/protocol.md`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Event {
-    /// A state began.
+    /// A state was entered.
     Entered {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its inputs by port name, if they are kept and were asked for.
+        /// Inputs by port name. Empty if the run does not keep them or the reader did not request values.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
         inputs: Option<Values>,
-        /// It is entered backwards, to undo the entry with this number (counted from 1 over all entries of the run).
+        /// Number of the entry that this backward entry undoes (counted from 1 over all entries of the run).
         #[serde(default, skip_serializing_if = "Option::is_none")]
         undoes: Option<u64>,
     },
     /// A state ended.
     Left {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// How.
+        /// Outcome by which the state ended.
         outcome: Outcome,
-        /// Its outputs by port name, if they are kept and were asked for. Ports that its script left out are missing.
+        /// Outputs by port name, without ports that the script left out. Empty if the run does not keep them or the reader did not
+        /// request values.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[cfg_attr(feature = "schema", schema(value_type = Option<Object>), ts(type = "Record<string, unknown> | null"))]
         outputs: Option<Values>,
-        /// Its error, if it left one; in few words if no values were asked for.
+        /// Error of the state, if it has one. Shortened if the reader did not request values.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         error: Option<serde_json::Value>,
-        /// It is left backwards: to where it stood before the entry with this number.
+        /// Number of the entry that this backward step undid. The state's data is again as before that entry.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         undoes: Option<u64>,
     },
-    /// A scoped variable got a value.
+    /// A scoped variable received a value.
     Scoped {
-        /// The container.
+        /// Path of the container.
         path: String,
-        /// The variable's name.
+        /// Name of the variable.
         name: String,
-        /// Its value.
+        /// Value of the variable.
         value: serde_json::Value,
     },
-    /// A global variable got a value, or was deleted.
+    /// A global variable received a value or was deleted.
     Global {
-        /// Its name.
+        /// Name of the variable.
         name: String,
-        /// Its value; `None` if it was deleted.
+        /// Value of the variable. `None` if it was deleted.
         value: Option<serde_json::Value>,
     },
-    /// What a state keeps from one run to the next changed.
+    /// The persistent data of a state changed. The state keeps it between its executions.
     Persistent {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// All of it.
+        /// The whole persistent data.
         value: serde_json::Value,
     },
     /// A branch is held.
     Held {
-        /// The container that is held.
+        /// Path of the container that is held.
         path: String,
-        /// The state before which it is held, if there is one.
+        /// The next state, if there is one. The container is held before it.
         next: Option<String>,
-        /// By what.
+        /// Reason for the hold.
         by: HeldBy,
     },
-    /// A breakpoint was passed while its condition was true.
+    /// A breakpoint was reached and its condition was true.
     Hit {
-        /// The breakpoint.
+        /// Id of the breakpoint.
         breakpoint: u64,
-        /// Its state.
+        /// Path of the breakpoint's state.
         path: String,
-        /// How often by now.
+        /// Number of hits, including this one.
         hits: u32,
-        /// Whether it held anything.
+        /// True if the breakpoint held the branch.
         held: bool,
     },
     /// A breakpoint was set or changed.
     BreakpointSet {
-        /// As it is now.
+        /// The breakpoint with its new settings.
         breakpoint: Breakpoint,
     },
     /// A breakpoint was removed.
     BreakpointRemoved {
-        /// Its id.
+        /// Id of the breakpoint.
         id: u64,
     },
-    /// Someone chose the outcome of a state that waited or was held.
+    /// A user chose the outcome of a state that waited or was held.
     Forced {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// The outcome.
+        /// The chosen outcome.
         outcome: Outcome,
     },
-    /// A state was active when the run was begun again elsewhere; it has no outcome.
+    /// An active state ended without an outcome, because the run started again elsewhere.
     Dropped {
-        /// The state.
+        /// Path of the state.
         path: String,
     },
-    /// The run goes by this machine from now on. The first one is that of the start.
+    /// The run uses this machine from now on. The first `root` event names the machine at the start.
     Root {
-        /// Hash of its content, as the journal keeps it.
+        /// Hash of the machine's content, as in the journal.
         hash: String,
-        /// What was changed, for people; empty for the first.
+        /// Description of the change. Empty for the first `root` event.
         change: String,
     },
-    /// A change of the machine waits until a state is left.
+    /// A change of the machine is delayed until a state is left.
     ChangeWaits {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// What is to be changed, for people.
+        /// Description of the pending change.
         change: String,
     },
-    /// Someone asked for something, and this was the answer.
+    /// A command was received and answered.
     Commanded {
-        /// The command.
+        /// The command with its metadata.
         envelope: Box<Envelope>,
-        /// What became of it.
+        /// Result of the command.
         answer: Answer,
     },
-    /// A state asks people.
+    /// A state asks a question.
     Asked {
-        /// What it asks.
+        /// The question and its form.
         question: Box<Question>,
     },
-    /// A question is closed.
+    /// A question was closed.
     Closed {
-        /// Its id.
+        /// Id of the question.
         id: u64,
-        /// How.
+        /// Reason for the closing.
         how: Closing,
-        /// The answer, if there is one.
+        /// The answer, if the question has one.
         answer: Option<serde_json::Value>,
-        /// Who answered; empty if no one did.
+        /// User who answered. Empty if nobody did.
         author: String,
     },
-    /// A state went past its deadline and is preempted.
+    /// A state exceeded its deadline and is preempted.
     DeadlinePassed {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// The deadline, in ms from its entry.
+        /// The deadline, in ms from the state's entry.
         deadline_ms: u64,
     },
-    /// The ground is silent for as long as the policy of a state, a breakpoint or a question names; or it was heard again.
+    /// The silence of the ground reached a limit of a policy, breakpoint or question, or it ended.
     Silence {
-        /// For how long the ground was not heard, in ms; 0: it was heard just now.
+        /// Time since the last contact with the ground, in ms. 0 if contact was just restored.
         link_ms: u64,
-        /// For how long no command came, in ms.
+        /// Time since the last command, in ms.
         command_ms: u64,
     },
-    /// A state is preempted, as its policy says: the silence has lasted too long.
+    /// A state is preempted by its policy, because the silence lasted too long.
     LossRecovery {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// By which measure.
+        /// The kind of loss that the policy measures.
         loss: Loss,
     },
-    /// A script did not end within its grace period after it was asked to; the runner ends.
+    /// A preempted script did not end within its grace period. The runner ends.
     CutOff {
-        /// The state.
+        /// Path of the state.
         path: String,
         /// The grace period, in ms.
         grace_ms: u64,
     },
-    /// A runner took the run up again after another had ended in the middle of it.
+    /// Another runner resumed the run after a crash.
     Resumed {
-        /// How many runners there were, this one included.
+        /// Number of this runner. The first runner of the run has number 1.
         life: u32,
-        /// How the last one ended.
+        /// Reason for the end of the last runner.
         crash: Crash,
-        /// What becomes of interrupted scripts.
+        /// Policy for interrupted scripts.
         policy: OnCrash,
     },
-    /// The run begins again at an entry of its history, with the data of then.
+    /// The run starts again at an entry of its history, with the data of that moment.
     WentBack {
-        /// Number of the `entered`.
+        /// Sequence number of the `entered` event.
         sequence: u64,
     },
-    /// Detail before this event was given up to keep the journal within its size.
+    /// Detail before this event was deleted to limit the size of the journal.
     Thinned {
-        /// The first event with full detail.
+        /// Sequence number of the first event with full detail.
         before: u64,
     },
-    /// Some events cannot be read any more: their journal is damaged. No runner tells it, only who reads the journal.
+    /// Some events cannot be read because the journal is damaged. Journal readers create this event; runners never send it.
     Damaged {
-        /// The first of them.
+        /// Sequence number of the first unreadable event.
         first: u64,
-        /// The last; the event itself has its number.
+        /// Sequence number of the last unreadable event, and of this event.
         last: u64,
-        /// Where the damage lies, for people.
+        /// Location of the damage, for people.
         what: String,
     },
-    /// A line of a script or of the engine.
+    /// A log line of a script or of the engine.
     Log {
-        /// The state that wrote it; empty if none did.
+        /// Path of the state that wrote the line. Empty if no state did.
         path: String,
-        /// How much it matters.
+        /// Severity of the line.
         level: LogLevel,
-        /// Where it came from.
+        /// Source of the line.
         stream: Stream,
-        /// The text, without the newline at its end.
+        /// Text without the trailing newline.
         message: String,
     },
     /// A state cannot continue until the machine is changed or stopped.
     Waiting {
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// For what, and the way out.
+        /// Cause of the wait, and how to proceed.
         reason: String,
     },
-    /// The run was paused or continues.
+    /// The run was paused or resumed.
     Paused {
-        /// Whether it is paused now.
+        /// True if the run is paused now.
         paused: bool,
     },
-    /// The run was asked to stop.
+    /// A stop of the run was requested.
     Stopping,
-    /// The run is over.
+    /// The run ended.
     Finished {
-        /// The root's outcome.
+        /// Outcome of the root state.
         outcome: Outcome,
-        /// The root's outputs by port name.
+        /// Outputs of the root, by port name.
         outputs: serde_json::Map<String, serde_json::Value>,
-        /// The global variables at the end.
+        /// Final global variables, by name.
         globals: serde_json::Map<String, serde_json::Value>,
-        /// The root's scoped variables at the end, by name.
+        /// Final scoped variables of the root, by name.
         scoped_variables: serde_json::Map<String, serde_json::Value>,
-        /// States run; library states are not counted, the roots of their content are.
+        /// Number of states executed. A library state counts once, by the root of its content.
         states_run: u64,
     },
 }
 
-/// What a run is doing as a whole.
+/// Status of a run as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum RunStatus {
-    /// Scripts run.
+    /// Scripts are running.
     Running,
-    /// Hierarchies hold before their next child.
+    /// Hierarchies are held before their next child.
     Paused,
-    /// The same, from step to step.
+    /// Hierarchies are held before their next child, in step mode.
     Stepping,
-    /// Asked to stop, states are ending.
+    /// A stop was requested, and active states are ending.
     Stopping,
-    /// Over.
+    /// The run is over.
     Finished,
 }
 
-/// What one active state is doing.
+/// Phase of an active state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Phase {
-    /// Its script or its children run.
+    /// Its script or its children are running.
     Running,
-    /// It cannot continue.
+    /// It cannot continue without intervention.
     Waiting,
-    /// A crash interrupted its script, and no one has decided what becomes of it.
+    /// A crash interrupted its script, and no decision about it has been made.
     Interrupted,
-    /// Held before the next state.
+    /// It is held before its next child.
     Held,
-    /// Asked to end.
+    /// It was asked to end.
     Preempted,
 }
 
-/// One active state.
+/// An active state in a snapshot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ActiveState {
     /// Ids joined by `/`.
     pub path: String,
-    /// Its name.
+    /// Name of the state.
     pub name: String,
-    /// What it does.
+    /// Current phase of the state.
     pub phase: Phase,
-    /// Time since it was entered, in ms.
+    /// Time since the state was entered, in ms.
     pub since_ms: u64,
-    /// The child of a concurrency state whose branch it belongs to; empty on the root's branch.
+    /// Child of a concurrency state whose branch contains this state. Empty on the root's branch.
     #[serde(default)]
     pub branch: String,
-    /// For what it waits.
+    /// Cause of the wait, in words.
     #[serde(default)]
     pub detail: Option<String>,
-    /// What it is held by; a concurrency state may be held before several of its children.
+    /// Holds on this state. A concurrency state may be held before several of its children.
     #[serde(default)]
     pub held: Vec<Hold>,
 }
 
-/// One place where an active state is held.
+/// One hold on an active state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Hold {
-    /// The state before which it is held, if there is one.
+    /// The next state, if there is one. The active state is held before it.
     pub next: Option<String>,
-    /// By what.
+    /// Reason for the hold.
     pub by: HeldBy,
 }
 
-/// The latest truth about a run: coalesced, at most every 100 ms.
+/// Current status of a run, sent at most every 100 ms.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Snapshot {
-    /// The run as a whole.
+    /// Status of the whole run.
     pub status: RunStatus,
     /// Active states, a parent before its children.
     pub active: Vec<ActiveState>,
-    /// States run so far.
+    /// Number of states executed.
     pub states_run: u64,
-    /// Time since the start, in ms.
+    /// Time since the start of the run, in ms.
     pub elapsed_ms: u64,
-    /// Number of the last event that happened.
+    /// Sequence number of the last event that happened.
     #[serde(default)]
     pub sequence: u64,
-    /// Number of the last event that survives a power cut; no later one is told yet. 0 without a journal.
+    /// Sequence number of the last event that survives a power cut. Later events are not sent yet. 0 without a journal.
     #[serde(default)]
     pub disk_safe: u64,
-    /// Why the journal cannot be written, while it cannot.
+    /// Reason why the journal cannot be written. Empty while it can be.
     #[serde(default)]
     pub journal_problem: Option<String>,
-    /// All breakpoints.
+    /// All breakpoints of the run.
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
-    /// Questions that no one has answered yet.
+    /// Questions without an answer.
     #[serde(default)]
     pub questions: Vec<Question>,
 }

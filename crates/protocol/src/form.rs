@@ -1,10 +1,10 @@
-//! Whether an answer is of the shape that a question's form says. Knows forms, but not who asks or answers.
+//! Checks of questions' forms and of the answers to them.
 
 use crate::Form;
 use serde_json::Value;
 
 impl Form {
-    /// Whether an answer may be this; the error says what is wrong with it, and what would be right.
+    /// Checks an answer against the form. The error contains the fault and the remedy.
     pub fn takes(&self, answer: &Value) -> Result<(), String> {
         button(answer, self.buttons())?;
         match self {
@@ -20,7 +20,7 @@ impl Form {
         }
     }
 
-    /// Whether the form can be answered at all; the error says what to change.
+    /// Checks that the form can be answered. The error contains the remedy.
     pub fn check(&self) -> Result<(), String> {
         if self.buttons().is_empty() {
             return Err("a question needs a button at least, or it cannot be answered".to_owned());
@@ -38,7 +38,7 @@ impl Form {
         }
     }
 
-    /// The labels of its buttons, from the left.
+    /// Returns the labels of the buttons, from the left.
     pub fn buttons(&self) -> &[String] {
         match self {
             Self::Buttons { buttons }

@@ -1,5 +1,5 @@
-//! Messages to bytes and back: what a viewer says, and both hellos, are lines of JSON; what a runner says after its hello are
-//! frames, each with its kind and its length before it.
+//! Encoding of messages. Both hellos and all messages of a viewer are lines of JSON. After its hello a runner sends frames, each
+//! with its kind and length in front.
 
 use crate::ToViewer;
 use serde::{Serialize, de::DeserializeOwned};
@@ -9,13 +9,13 @@ use std::io::{self, BufRead, Read as _};
 #[derive(Debug, thiserror::Error)]
 #[error("not a message of this protocol: {line}")]
 pub struct FrameError {
-    /// The start of the line.
+    /// Start of the line.
     line: String,
     #[source]
     source: serde_json::Error,
 }
 
-/// One message as one line, newline included.
+/// Encodes one message as one line, including the newline.
 pub fn encode<T: Serialize>(message: &T) -> Result<Vec<u8>, FrameError> {
     let mut line = serde_json::to_vec(message)
         .map_err(|source| FrameError { line: "(our own message)".to_owned(), source })?;
@@ -23,25 +23,25 @@ pub fn encode<T: Serialize>(message: &T) -> Result<Vec<u8>, FrameError> {
     Ok(line)
 }
 
-/// Reads one line. Unknown fields are ignored, unknown messages are an error.
+/// Decodes one line. Unknown fields are ignored. Unknown messages are an error.
 pub fn decode<T: DeserializeOwned>(line: &str) -> Result<T, FrameError> {
     serde_json::from_str(line)
         .map_err(|source| FrameError { line: line.chars().take(120).collect(), source })
 }
 
-/// Bytes before the content of a frame: its kind, then the length of the content, little-endian.
+/// Length of a frame's head: one byte for the kind, then the length of the content in little-endian.
 pub const FRAME_HEAD: usize = 5;
-/// No content of a frame is longer.
+/// Maximum length of a frame's content.
 const FRAME_BYTES_MAX: u32 = 1 << 30;
 
-/// What the content of a frame is.
+/// Kind of a frame's content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrameKind {
     /// A [`ToViewer`] as JSON.
     Message,
     /// Events as blocks of the journal's items (`docs/journal.md`).
     Events,
-    /// Something of a newer runner, to be skipped.
+    /// Content of a newer runner, to be skipped.
     Unknown,
 }
 
@@ -55,13 +55,13 @@ impl FrameKind {
     }
 }
 
-/// What stands before the content of a frame.
+/// Encodes the head of a frame.
 pub fn frame_head(kind: FrameKind, length: usize) -> [u8; FRAME_HEAD] {
     let length = u32::try_from(length).unwrap_or(u32::MAX).to_le_bytes();
     [kind.byte(), length[0], length[1], length[2], length[3]]
 }
 
-/// The kind of a frame and the length of its content; an error if no frame begins so.
+/// Decodes the head of a frame: its kind and the length of its content. Fails if the length exceeds the maximum.
 pub fn read_frame_head(head: [u8; FRAME_HEAD]) -> io::Result<(FrameKind, usize)> {
     let [kind, length @ ..] = head;
     let length = u32::from_le_bytes(length);
@@ -77,7 +77,7 @@ pub fn read_frame_head(head: [u8; FRAME_HEAD]) -> io::Result<(FrameKind, usize)>
     Ok((kind, length as usize))
 }
 
-/// A message of a runner as a frame.
+/// Encodes a message of a runner as a frame.
 pub fn encode_frame(message: &ToViewer) -> Result<Vec<u8>, FrameError> {
     let mut frame = vec![0; FRAME_HEAD];
     serde_json::to_writer(&mut frame, message)
@@ -87,7 +87,7 @@ pub fn encode_frame(message: &ToViewer) -> Result<Vec<u8>, FrameError> {
     Ok(frame)
 }
 
-/// Reads the next frame into `content`; nothing at the end, which a connection that breaks within a frame is too.
+/// Reads the next frame into `content`. Returns `None` at the end of the stream, also in the middle of a frame.
 pub fn read_frame(from: &mut impl BufRead, content: &mut Vec<u8>) -> io::Result<Option<FrameKind>> {
     let mut head = [0; FRAME_HEAD];
     if is_end(from.read_exact(&mut head))? {
@@ -95,7 +95,7 @@ pub fn read_frame(from: &mut impl BufRead, content: &mut Vec<u8>) -> io::Result<
     }
     let (kind, length) = read_frame_head(head)?;
     content.clear();
-    // As it comes: a broken length takes no memory.
+    // Reads without reserving memory first, because the length may be invalid.
     let count = from.take(length as u64).read_to_end(content)?;
     Ok((count == length).then_some(kind))
 }

@@ -1,26 +1,26 @@
-//! The first line of every talk.
+//! The first line of every connection.
 
 use serde::{Deserialize, Serialize};
 
-/// The version of the vocabulary. Both sides must have the same one: binary and extension are built together.
+/// Version of the protocol. Both sides must have an equal version: binary and extension are built together.
 pub const VERSION: u32 = 3;
 
-/// Who speaks.
+/// Identification of a side of the connection.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
-    /// [`VERSION`] of the speaker.
+    /// [`VERSION`] of the sender.
     pub protocol: u32,
-    /// The program's version, for messages.
+    /// Version of the program, for error messages.
     pub program: String,
 }
 
 impl Hello {
-    /// This build's own hello.
+    /// Returns the hello of this build.
     pub fn ours() -> Self {
         Self { protocol: VERSION, program: env!("CARGO_PKG_VERSION").to_owned() }
     }
 
-    /// Whether both sides speak the same; the error says what to do.
+    /// Checks that both sides have an equal protocol version. The error contains the remedy.
     pub fn check(&self) -> Result<(), VersionMismatch> {
         if self.protocol == VERSION {
             return Ok(());
@@ -29,7 +29,7 @@ impl Hello {
     }
 }
 
-/// The other side speaks another version.
+/// The other side has another protocol version.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the other side (version {program}) speaks protocol {theirs}, this one speaks {VERSION}: \

@@ -1,101 +1,101 @@
-//! What a runner must know to begin.
+//! Settings that a runner needs to start a run.
 
 use crate::{Afterwards, Breakpoint, Crash, Keeping, OnCrash, Resume};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// One run, as asked for. Sent to the runner right after the [`crate::Hello`].
+/// Request to start or resume a run. It is sent to the runner right after the [`crate::Hello`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[expect(
     clippy::struct_excessive_bools,
     reason = "each is a choice of its own, by name on the wire"
 )]
 pub struct Launch {
-    /// Folder of the machine (or a file in it).
+    /// Folder of the machine, or a file in it.
     pub machine: PathBuf,
-    /// State path (ids joined by `/`) to begin at.
+    /// Path of the state to begin at: ids joined by `/`.
     #[serde(default)]
     pub start_from: Option<String>,
-    /// What happens once that state was left.
+    /// Action after that state was left.
     #[serde(default)]
     pub afterwards: Afterwards,
     /// Values for input ports of the root: name and JSON value.
     #[serde(default)]
     pub inputs: Vec<(String, serde_json::Value)>,
-    /// Global variables that are there before the first state runs: name and JSON value.
+    /// Global variables that exist before the first state runs: name and JSON value.
     #[serde(default)]
     pub globals: Vec<(String, serde_json::Value)>,
-    /// Library roots, name and folder, before those of configuration and environment.
+    /// Library roots: name and folder. They precede those of the configuration and the environment.
     #[serde(default)]
     pub libraries: Vec<(String, PathBuf)>,
-    /// The reference's `config.yaml`, or a folder with it; `None`: where the reference looks.
+    /// The reference's `config.yaml`, or its folder. `None` for the reference's default location.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// Whether the viewer wants every event, or only snapshots, logs and the end.
+    /// True for every event. False for snapshots, the log and the end only.
     #[serde(default)]
     pub every_event: bool,
-    /// A folder for the run's own files ([`crate::active`]); `None`: none are written.
+    /// Folder for the run's own files ([`crate::active`]). `None` to write none.
     #[serde(default)]
     pub run_folder: Option<PathBuf>,
-    /// How much is kept in the run's folder.
+    /// Amount of the run that is recorded in its folder.
     #[serde(default)]
     pub keeping: Keeping,
-    /// Whether an event is on disk before the script that follows it runs.
+    /// True to store each event on disk before the script that follows it runs.
     #[serde(default)]
     pub strict: bool,
-    /// The journal's size, in bytes, beyond which old detail is given up; `None`: the default of the journal.
+    /// Size of the journal, in bytes, above which old detail is deleted. `None` for the journal's default.
     #[serde(default)]
     pub size_max: Option<u64>,
-    /// Whether the run is held before its first state, for stepping or breakpoints.
+    /// True to hold the run before its first state, for stepping or breakpoints.
     #[serde(default)]
     pub hold: bool,
-    /// Breakpoints that are there from the start.
+    /// Breakpoints set from the start.
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
-    /// What becomes of interrupted scripts if the runner dies; `None`: what the root's semantic data `on_crash` says, else
-    /// *ask*. The runner writes it down for whoever resumes the run again.
+    /// Policy for interrupted scripts if the runner dies. `None` for `on_crash` in the root's semantic data, or *ask* if that is
+    /// missing. The runner records it for the program that resumes the run.
     #[serde(default)]
     pub on_crash: Option<OnCrash>,
-    /// Resume the run whose folder `run_folder` is, instead of beginning one: its machine is the one that it kept.
+    /// Resume the run in `run_folder` instead of starting one. Its machine is the recorded one.
     #[serde(default)]
     pub resume: Option<Resume>,
-    /// How the runner before ended, if the run is resumed.
+    /// End of the previous runner, if the run is resumed.
     #[serde(default)]
     pub crash: Option<Crash>,
-    /// Whether others may join the run, by the socket in its folder.
+    /// True to let others join the run over the socket in its folder.
     #[serde(default)]
     pub listen: bool,
-    /// The folders, without links in their paths, in which machine and libraries and every file of theirs have to lie,
-    /// whatever links say; `None`: anywhere. Who starts runs for others names them.
+    /// Canonical folders that must contain the machine, the libraries and all their files, also behind links. `None` for no
+    /// restriction. Programs that start runs for others set it.
     #[serde(default)]
     pub homes: Option<Vec<PathBuf>>,
 }
 
-/// How the first state of a run is entered: kept by the run, so that one that dies before that can begin like this.
+/// Settings for entering the first state. The run records them, so that it can start over if it dies before that.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Beginning {
-    /// See [`Launch::start_from`].
+    /// Value of [`Launch::start_from`].
     #[serde(default)]
     pub start_from: Option<String>,
-    /// See [`Launch::afterwards`].
+    /// Value of [`Launch::afterwards`].
     #[serde(default)]
     pub afterwards: Afterwards,
-    /// See [`Launch::inputs`].
+    /// Value of [`Launch::inputs`].
     #[serde(default)]
     pub inputs: Vec<(String, serde_json::Value)>,
-    /// See [`Launch::globals`].
+    /// Value of [`Launch::globals`].
     #[serde(default)]
     pub globals: Vec<(String, serde_json::Value)>,
-    /// See [`Launch::hold`].
+    /// Value of [`Launch::hold`].
     #[serde(default)]
     pub hold: bool,
-    /// See [`Launch::breakpoints`].
+    /// Value of [`Launch::breakpoints`].
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
 }
 
 impl Launch {
-    /// How its first state is entered.
+    /// Returns the settings for entering the first state.
     pub fn beginning(&self) -> Beginning {
         Beginning {
             start_from: self.start_from.clone(),

@@ -1,9 +1,9 @@
 //! The commands, events and snapshots that cross a process border, and their version.
 //!
-//! Knows what is said. Does not know how it travels: sockets, files and threads are someone else's.
+//! Defines the content of messages, not their transport: no sockets, files or threads.
 //!
-//! A message is one JSON object, on a line or in a frame ([`frame`]). The first line each way is a [`Hello`]; a different
-//! [`VERSION`] ends the talk with a reason. The vocabulary is in `docs/protocol.md`.
+//! A message is one JSON object, on a line or in a frame ([`frame`]). The first line in each direction is a [`Hello`]. A different
+//! [`VERSION`] ends the connection with a reason. `docs/protocol.md` describes all messages.
 
 pub mod active;
 pub mod api;

@@ -1,4 +1,4 @@
-//! Everything that is said after the hello.
+//! Messages after the hello.
 
 use crate::api::{Control, ControlMove};
 use crate::{
@@ -11,57 +11,57 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "message", rename_all = "snake_case")]
 pub enum ToRunner {
-    /// What to run; the first message after the hello.
+    /// Start a run. The first message after the hello.
     Launch(Launch),
-    /// Join a run that is going on; the first message after the hello instead of a launch.
+    /// Join an active run. The first message after the hello, instead of a launch.
     Join(Join),
-    /// A command.
+    /// Send a command to the run.
     Command(Envelope),
-    /// A question about one active state.
+    /// Request the data of one active state.
     Inspect {
-        /// Named in the answer.
+        /// Id that the reply repeats.
         id: String,
-        /// The state.
+        /// Path of the state.
         path: String,
     },
-    /// A wish about control of a run far away: its robot decides. Answered like a command; for stations only.
+    /// Request a change of control of a remote run. Its robot decides and replies as to a command. Only stations accept it.
     MoveControl {
-        /// Named in the answer.
+        /// Id that the reply repeats.
         id: String,
-        /// Who wants it.
+        /// User who makes the request.
         author: String,
-        /// What.
+        /// The requested change of control.
         wanted: ControlMove,
     },
-    /// This user, who holds control of a run far away, is here. For stations only.
+    /// Report that the user in control of a remote run is present. Only stations accept it.
     Present {
-        /// The user.
+        /// Name of the user.
         user: String,
     },
-    /// Whoever carries the run to the ground says when the ground was heard: policies of states count from there.
+    /// Report the last contact with the ground, from the program that carries the run to it. Policies of states count from there.
     Ground {
-        /// How long ago, in ms; `None`: not since the sender began, which is no news.
+        /// Time since the last contact, in ms. `None` if the sender has had no contact yet; the runner then changes nothing.
         heard_ms_ago: Option<u64>,
     },
-    /// Which values of a run far away this viewer watches from now on. For stations only: a runner tells of its values by events.
+    /// Set the values of a remote run that this viewer watches. Only stations accept it; runners send values in events.
     Watch {
-        /// What, in place of what was watched before.
+        /// Targets that replace the previous ones.
         targets: Vec<WatchTarget>,
     },
-    /// Are you there?
+    /// Check that the runner responds.
     Ping {
-        /// Named in the answer.
+        /// Id that the pong repeats.
         id: u64,
     },
 }
 
-/// What a viewer that joins wants to be told.
+/// Start and extent of what a joining viewer receives.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Join {
-    /// The number of the first event that it has not seen; 0: from now on.
+    /// Number of the first event that the viewer has not seen. 0 for new events only.
     #[serde(default)]
     pub from: u64,
-    /// Whether it wants every event, or only snapshots and what is rare.
+    /// True for every event. False for snapshots and rare events only.
     #[serde(default)]
     pub every_event: bool,
 }
@@ -72,93 +72,93 @@ pub struct Join {
 pub enum ToViewer {
     /// The machine could not be loaded; the runner ends.
     LoadFailed {
-        /// What, where, and the way out.
+        /// Cause, location and remedy.
         reason: String,
     },
-    /// The machine was loaded and the run begins.
+    /// The machine was loaded, and the run begins.
     Loaded {
-        /// The root state's name.
+        /// Name of the root state.
         name: String,
-        /// States of the machine.
+        /// Number of states of the machine.
         states: u64,
-        /// Faults of the machine, one line each, that did not keep it from loading.
+        /// Faults of the machine that did not prevent loading, one line each.
         problems: Vec<String>,
-        /// The run's id: the name of its folder; empty if it has none.
+        /// Id of the run: the name of its folder. Empty if it has no folder.
         #[serde(default)]
         run: String,
     },
-    /// What one active state holds.
+    /// Data of one active state.
     Inspection {
-        /// The id of the request.
+        /// Id of the request.
         id: String,
-        /// The state.
+        /// Path of the state.
         path: String,
-        /// Its data; `None` if it is not active.
+        /// Data of the state. `None` if it is not active.
         data: Option<StateData>,
     },
-    /// Something happened. Runners send events as bytes ([`crate::FrameKind::Events`]); this is one that was read.
+    /// An event. Runners send events as bytes ([`crate::FrameKind::Events`]); this variant holds a decoded one.
     #[serde(skip)]
     Event {
-        /// Counts from 1, without gaps.
+        /// Sequence number, counted from 1 without gaps.
         sequence: u64,
         /// Time since the start of the run by a monotonic clock, in ns.
         t_ns: u64,
-        /// What.
+        /// The decoded event.
         event: Event,
     },
-    /// How things stand.
+    /// Current status of the run.
     Snapshot(Snapshot),
-    /// Who holds control of a run far away, as its robot says. Of stations only.
+    /// Control of a remote run, as reported by its robot. Only stations send it.
     Control(Control),
-    /// The newest of those values that the viewer watches, and whether its robot knows what is watched. Of stations only.
+    /// Newest watched values, and whether the robot has the list of targets. Only stations send it.
     Watched {
-        /// Whether the robot knows.
+        /// Acknowledgement of the targets by the robot.
         watching: Watching,
         /// Values that are new.
         values: Vec<WatchedValue>,
     },
-    /// What became of a command.
+    /// Result of a command.
     Answer {
-        /// The command's id.
+        /// Id of the command.
         id: String,
-        /// The answer.
+        /// Result of the command.
         #[serde(flatten)]
         answer: Answer,
     },
-    /// The runner is there: the answer to a ping.
+    /// Reply to a ping.
     Pong {
-        /// The id of the ping.
+        /// Id of the ping.
         id: u64,
         /// The runner's clock: ms since 1970, UTC.
         now_ms: u64,
-        /// Whether the engine takes inputs; runners of other builds may not say.
+        /// Responsiveness of the engine. Runners of other builds may omit it.
         #[serde(default)]
         engine: Option<EnginePulse>,
-        /// How the link to the robot is, if it is a station that answers for the runner.
+        /// Health of the link to the robot, if a station replies for the runner.
         #[serde(default)]
         link: Option<Box<LinkHealth>>,
     },
 }
 
-/// Whether the engine of a run takes inputs, as the runner found out for this answer.
+/// Responsiveness of a run's engine, measured for this reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct EnginePulse {
-    /// For how long the engine could not be reached, in ms; 0: it was reached just now. While it cannot be, nothing moves on and
-    /// no command is carried out.
+    /// Time since the engine was last reachable, in ms. 0 if it responded just now. An unreachable engine makes no progress and
+    /// executes no commands.
     pub unreached_ms: u64,
-    /// How long ago the engine moved last, in ms: long if the scripts that run take long, or all wait.
+    /// Time since the engine last made progress, in ms. High while long scripts run or all states wait.
     pub still_ms: u64,
-    /// How many scripts run; not known while the engine cannot be reached.
+    /// Number of running scripts. Empty while the engine is unreachable.
     #[serde(default)]
     pub scripts: Option<u32>,
 }
 
 impl EnginePulse {
-    /// An engine that could not be reached for so long stands still, in ms.
+    /// Time without response after which an engine counts as stuck, in ms.
     const STILL_AFTER_MS: u64 = 3_000;
 
-    /// Whether the engine counts as reached by this answer: one that was does so for three seconds, one that was not only once
-    /// it is reached just now.
+    /// Returns true if the engine counts as reachable. A reachable engine stays so for three seconds without response. An
+    /// unreachable one must respond to this ping.
     pub fn is_reached(self, was_reached: bool) -> bool {
         if was_reached { self.unreached_ms < Self::STILL_AFTER_MS } else { self.unreached_ms == 0 }
     }
@@ -168,7 +168,7 @@ impl EnginePulse {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct StateData {
-    /// Its inputs.
+    /// Inputs by port name.
     #[cfg_attr(feature = "schema", schema(value_type = Object), ts(type = "Record<string, unknown>"))]
     pub inputs: Values,
     /// The defaults of its outputs.

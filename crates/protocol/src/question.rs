@@ -1,8 +1,8 @@
-//! What a state asks people.
+//! Questions that states ask people.
 
 use serde::{Deserialize, Serialize};
 
-/// A question of a state. It stays open until it is answered, its time is over, or its state is preempted.
+/// A question of a state. It is open until it is answered or times out, or until its state is preempted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Question {
@@ -10,77 +10,77 @@ pub struct Question {
     pub id: u64,
     /// The state that asks.
     pub path: String,
-    /// The text.
+    /// Text of the question.
     pub message: String,
-    /// How it is answered.
+    /// Form of the answer.
     pub form: Form,
-    /// Time to answer from the moment it is asked, in ms; `None`: as long as it takes.
+    /// Timeout, in ms from the moment of the question. `None` for no timeout.
     #[serde(default)]
     pub timeout_ms: Option<u64>,
-    /// Time that the ground may be silent, in ms; then the question closes as if its time were over.
+    /// Time that the ground may be silent, in ms. After it the question closes as if it timed out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lost_link_ms: Option<u64>,
-    /// The answer when the time is over: of the shape that `form` says.
+    /// Answer on timeout, in the shape that `form` defines.
     #[serde(default)]
     pub default: Option<serde_json::Value>,
 }
 
-/// How a question is answered.
+/// Form of the answer to a question.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Form {
-    /// One of some buttons; the answer is `{"button": index}`.
+    /// A choice of buttons. The answer is `{"button": index}`.
     Buttons {
-        /// Their labels, from the left.
+        /// Labels of the buttons, from the left.
         buttons: Vec<String>,
     },
-    /// A line of text, ended by a button; the answer is `{"button": index, "text": text}`.
+    /// A line of text, ended by a button. The answer is `{"button": index, "text": text}`.
     Text {
         /// Labels of the buttons.
         buttons: Vec<String>,
-        /// What stands in the line at first.
+        /// Initial text of the line.
         #[serde(default)]
         initial: String,
     },
-    /// A number; the answer is `{"button": index, "number": number}`.
+    /// A number. The answer is `{"button": index, "number": number}`.
     Number {
         /// Labels of the buttons.
         buttons: Vec<String>,
-        /// The smallest that is taken.
+        /// Smallest number that is accepted.
         #[serde(default)]
         minimum: Option<f64>,
-        /// The largest that is taken.
+        /// Largest number that is accepted.
         #[serde(default)]
         maximum: Option<f64>,
-        /// What stands there at first.
+        /// Initial number in the field.
         #[serde(default)]
         initial: Option<f64>,
-        /// Whether only whole numbers are taken.
+        /// True to accept whole numbers only.
         #[serde(default)]
         whole: bool,
     },
-    /// Boxes to tick; the answer is `{"button": index, "checked": [bool]}`.
+    /// Boxes to tick. The answer is `{"button": index, "checked": [bool]}`.
     Checks {
         /// Labels of the buttons.
         buttons: Vec<String>,
         /// Labels of the boxes.
         boxes: Vec<String>,
-        /// Which are ticked at first.
+        /// Initial state of each box.
         #[serde(default)]
         initial: Vec<bool>,
     },
 }
 
-/// How a question came to its end.
+/// Reason why a question was closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Closing {
-    /// Someone answered.
+    /// A user answered it.
     Answered,
-    /// The time was over; the default counts.
+    /// The timeout expired. The default is the answer.
     TimedOut,
-    /// Its state was preempted or the run ended.
+    /// Its state was preempted or ended, or the run ended.
     Withdrawn,
 }

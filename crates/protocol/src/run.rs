@@ -1,67 +1,67 @@
-//! What belongs to a run as a whole: how it is kept, and how it continues after a crash.
+//! Settings of a run as a whole: recording, and resuming after a crash.
 
 use serde::{Deserialize, Serialize};
 
-/// How much of a run is kept.
+/// Amount of a run that is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Keeping {
     /// Nothing: the run cannot be replayed or resumed.
     Off,
-    /// States, outcomes, commands and the log, without values; and what the run came to.
+    /// States, outcomes, commands, the log and the final result, without other values.
     Status,
-    /// Everything.
+    /// States, outcomes, commands, the log and all values.
     #[default]
     Full,
 }
 
-/// What becomes of the states whose scripts were interrupted by a crash.
+/// Policy for states whose scripts were interrupted by a crash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum OnCrash {
-    /// Nothing moves until someone decides with [`crate::Command::Recover`].
+    /// Wait until someone decides with [`crate::Command::Recover`].
     #[default]
     Ask,
-    /// They end with the outcome *aborted* and the crash as their error, so that recovery transitions take over.
+    /// End them with the outcome *aborted* and the crash as their error, so that recovery transitions take over.
     Abort,
-    /// They are entered again, with the inputs that they had.
+    /// Enter them again with their previous inputs.
     Restart,
 }
 
-/// What happens once the state at which a run began was left.
+/// Action after the state at which a run began was left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Afterwards {
-    /// The run is in progress.
+    /// Continue the run.
     #[default]
     GoOn,
-    /// The run is held, in step mode.
+    /// Hold the run, in step mode.
     Hold,
-    /// The run stops.
+    /// Stop the run.
     Stop,
 }
 
-/// How a run is resumed.
+/// Options for resuming a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Resume {
-    /// What becomes of interrupted scripts.
+    /// Policy for interrupted scripts.
     #[serde(default)]
     pub policy: OnCrash,
-    /// Begin at this event of the history instead of where the run ended: an `entered`.
+    /// The `entered` event at which to begin, instead of the end of the run.
     #[serde(default)]
     pub from: Option<u64>,
 }
 
-/// What a runner was doing when it ended without an end of its run.
+/// Activity of a runner that died before the end of its run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Crash {
-    /// The signal or exit status, in words.
+    /// Description of the signal or exit status.
     pub reason: String,
-    /// Paths of the states whose scripts ran.
+    /// Paths of the states whose scripts were running.
     pub active: Vec<String>,
 }

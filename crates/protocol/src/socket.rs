@@ -1,7 +1,8 @@
-//! What browsers and programs say to the server over one WebSocket, and what they are told: one JSON object a text frame.
+//! Frames between clients (browsers, programs) and the server over one WebSocket: one JSON object per text frame.
 //!
-//! Two kinds of subscription. A *history* is told whole, from a cursor on, at the reader's pace: after a break the reader
-//! subscribes again from where it was. A *status* is the latest truth: the first change at once, then one in 100 ms.
+//! A subscription is one of two kinds. A *history* delivers every entry from a cursor on, at the reader's pace. After a break the
+//! reader subscribes again from its last cursor. A *status* delivers the newest state: the first change at once, then at most one
+//! update every 100 ms.
 
 use crate::api::{
     Before, CommandAnswer, EditMachine, HistoryEntry, MachineStatus, Refusal, Revision, RunNow,
@@ -10,7 +11,7 @@ use crate::api::{
 use crate::{Envelope, WatchTarget, WatchedValue, Watching};
 use serde::{Deserialize, Serialize};
 
-/// The version of this vocabulary. New fields and frames do not change it: a client ignores what it does not know.
+/// Version of this protocol. New fields and frames do not change it: clients ignore unknown ones.
 pub const VERSION: u32 = 2;
 
 /// From a client to the server.
@@ -18,113 +19,113 @@ pub const VERSION: u32 = 2;
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "frame", rename_all = "snake_case")]
 pub enum ToServer {
-    /// Tell me, under this number of my choice.
+    /// Start a subscription.
     Subscribe {
-        /// Named in the news; a number that is in use is refused.
+        /// Number of the subscription, chosen by the client. A number in use is refused.
         subscription: u32,
-        /// What about.
+        /// Topic of the subscription.
         topic: Topic,
     },
-    /// Tell me no more; answered by [`ToClient::Ended`].
+    /// End a subscription. The server replies with [`ToClient::Ended`].
     Unsubscribe {
-        /// The number.
+        /// Number of the subscription.
         subscription: u32,
     },
-    /// A command for a run; answered by [`ToClient::Answer`].
+    /// Send a command to a run. The server replies with [`ToClient::Answer`].
     Command {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// The command. Its author is set by the server.
+        /// The command. The server sets its author.
         envelope: Envelope,
     },
-    /// An edit of an open machine; answered by [`ToClient::Edited`] or [`ToClient::Refused`].
+    /// Edit an open machine. The server replies with [`ToClient::Edited`] or [`ToClient::Refused`].
     Edit {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
-        /// The edit.
+        /// The edit to apply.
         edit: EditMachine,
     },
-    /// Takes one's own last step back; answered as an edit.
+    /// Undo the client's own last step. The replies are those of an edit.
     Undo {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
-        /// The request.
+        /// The undo request.
         undo: Undo,
     },
-    /// Makes it again; answered as an edit.
+    /// Redo the step that was undone. The replies are those of an edit.
     Redo {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
-        /// The request.
+        /// The redo request.
         redo: Undo,
     },
-    /// What this client looks at, for the others.
+    /// Report this client's selection to the other clients.
     Presence {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
         /// Paths of the selected states.
         selection: Vec<String>,
     },
-    /// Are you there? Also: I am here, for a holder of control.
+    /// Check the connection. It also counts as a sign of life of the user in control.
     Ping {
-        /// Comes back.
+        /// Id that the pong repeats.
         id: u64,
     },
 }
 
-/// What a subscription is about.
+/// Topic of a subscription.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "topic", rename_all = "snake_case")]
 pub enum Topic {
     /// Every event of a run.
     RunHistory {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// The first event that the client has not seen; counts from 1.
+        /// First event that the client has not seen, counted from 1.
         #[serde(default)]
         from: u64,
-        /// Whether events come with values.
+        /// True to include values.
         #[serde(default)]
         values: bool,
     },
-    /// Every event of a run from one on, without values; if they are very many, only the newest, after a frame `skipped`.
+    /// Events of a run from one event on, without values. If there are too many, only the newest, after a frame `skipped`.
     RunNewest {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// The first event that the client has not seen; counts from 1.
+        /// First event that the client has not seen, counted from 1.
         from: u64,
-        /// So many events are told from there on.
+        /// Number of events from `from` on above which older ones are skipped.
         most: u64,
-        /// If there are more, so many of the newest.
+        /// Number of newest events to send in that case.
         newest: u64,
     },
-    /// How a run stands.
+    /// Status of a run.
     RunStatus {
-        /// The run's id.
+        /// Id of the run.
         run: String,
     },
-    /// The newest values of a robot's run, at its station: those that are known before their events are here. Values of other runs
-    /// come with their events.
+    /// Newest values of a robot's run, at its station. They can arrive before their events. In other runs values come with their
+    /// events.
     RunWatched {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// What the client watches.
+        /// Values that the client watches.
         targets: Vec<WatchTarget>,
     },
     /// Every revision of an open machine.
     MachineHistory {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
-        /// The first revision that the client has not seen.
+        /// First revision that the client has not seen.
         from: u64,
     },
-    /// How an open machine stands, and who looks at it.
+    /// Status of an open machine, and its current viewers.
     MachineStatus {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
     },
-    /// Everything that the server looks after.
+    /// Status of the whole server.
     ServerStatus,
 }
 
@@ -133,104 +134,106 @@ pub enum Topic {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "frame", rename_all = "snake_case")]
 pub enum ToClient {
-    /// The first frame.
+    /// The first frame of a connection.
     Welcome {
-        /// The version of this vocabulary.
+        /// Version of the server's protocol ([`VERSION`]).
         protocol: u32,
-        /// Who the client is.
+        /// Session of the client: user and rights.
         session: Session,
-        /// The connection's number, as others see it.
+        /// Number of the connection, as other clients see it.
         connection: u64,
         /// The server's clock: ms since 1970, UTC.
         now_ms: u64,
     },
-    /// Events of a run, without gap: the first is the one that was asked for, or follows the last of the frame before.
+    /// Events of a run without a gap. The first is the requested one, or follows the last event of the previous frame.
     Events {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// Where the client continues after a break. Without values some numbers are left out, and this says how far it is told.
+        /// Cursor for the next subscription after a break. Without values some event numbers are missing, so the last event does
+        /// not give it.
         next: u64,
-        /// In order. Empty once: everything that there is so far has been told.
+        /// Events in order. One empty list marks the end of the existing events.
         events: Vec<HistoryEntry>,
     },
-    /// Earlier events of a run are not told: the next that comes is the one behind.
+    /// Older events of a run are skipped. The next event sent is the one after `before`.
     Skipped {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// What was active by then.
+        /// States that are active after the last skipped event.
         before: Before,
     },
-    /// Revisions of a machine, without gap.
+    /// Revisions of a machine, without a gap.
     Revisions {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// In order.
+        /// Revisions in order.
         revisions: Vec<Revision>,
     },
-    /// The revisions that were asked for are gone, and so the subscription has come to its end: get the whole machine, and
-    /// subscribe again from there.
+    /// The requested revisions no longer exist, so the subscription ends. The client fetches the whole machine and subscribes again
+    /// from its revision.
     Reset {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// The revision of the machine now.
+        /// Current revision of the machine.
         revision: u64,
     },
-    /// How a run stands.
+    /// Status of a run.
     RunStatus {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// The truth.
+        /// Current status of the run.
         status: Box<RunNow>,
     },
-    /// The newest of what the client watches.
+    /// Newest values that the client watches.
     RunWatched {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// Whether the robot knows what is watched; none if the run is not that of a robot.
+        /// Acknowledgement of the targets by the robot. Empty if the run is not that of a robot.
         watching: Option<Watching>,
-        /// The values, at most 256; each also comes with its event.
+        /// New values, at most 256. Each also comes with its event.
         values: Vec<WatchedValue>,
     },
-    /// How a machine stands.
+    /// Status of a machine.
     MachineStatus {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// The truth.
+        /// Current status of the machine.
         status: MachineStatus,
     },
-    /// How the server stands.
+    /// Status of the server.
     ServerStatus {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// The truth.
+        /// Current status of the server.
         status: ServerStatus,
     },
-    /// Nothing more will come: a run is over and told, a machine closed, the subscription was given up or refused.
+    /// The subscription ended: the run is over and fully sent, the machine was closed, or the subscription was cancelled or
+    /// refused.
     Ended {
-        /// Of this subscription.
+        /// Number of the subscription.
         subscription: u32,
-        /// Why, if it was refused.
+        /// Reason, if the subscription was refused.
         refusal: Option<Refusal>,
     },
-    /// What became of a command.
+    /// Result of a command.
     Answer(CommandAnswer),
-    /// An edit, undo or redo was made.
+    /// An edit, undo or redo was applied.
     Edited {
-        /// Its id.
+        /// Id of the request.
         id: String,
-        /// The revision that it made.
+        /// Revision that the request created.
         revision: u64,
     },
-    /// A command, edit or frame was refused before anyone acted on it.
+    /// A command, edit or frame was refused before it had any effect.
     Refused {
-        /// Its id, if it has one.
+        /// Id of the request, if it has one.
         id: Option<String>,
-        /// Why.
+        /// Reason for the refusal.
         refusal: Refusal,
     },
     /// The answer to a ping.
     Pong {
-        /// What the ping said.
+        /// Id of the ping.
         id: u64,
         /// The server's clock: ms since 1970, UTC.
         now_ms: u64,

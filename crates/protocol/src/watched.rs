@@ -1,95 +1,95 @@
-//! Values of a run far away that people watch: what they ask for, and the newest that their robot sent ahead of the events.
+//! Watched values of a remote run: the requests, and the newest values that the robot sent ahead of the events.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// So much is watched of a run at most, over all who watch it.
+/// Maximum number of watched targets of a run, over all viewers.
 pub const WATCHED_MAX: usize = 256;
 
-/// The longest path and the longest name of what can be watched, in bytes.
+/// Maximum lengths of a path and a name that can be watched, in bytes.
 const PATH_MAX: usize = 640;
 const NAME_MAX: usize = 128;
 
-/// What someone watches.
+/// A value, or all values of a state, to watch.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct WatchTarget {
-    /// What of a state, or else a global variable.
+    /// Kind of value.
     pub kind: WatchKind,
-    /// The state: ids from the root, joined by `/`; of global variables empty.
+    /// Path of the state: ids from the root, joined by `/`. Empty for global variables.
     #[serde(default)]
     pub path: String,
-    /// The port or variable; of `state` empty.
+    /// Name of the port or variable. Empty for `state`.
     #[serde(default)]
     pub name: String,
-    /// Lower ones go first where the rate does not allow all; 0 is the first.
+    /// Priority if the rate does not allow all values. 0 is the highest.
     #[serde(default)]
     pub priority: u8,
 }
 
-/// What of a state is watched.
+/// Kind of watched value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum WatchKind {
-    /// All values of the state, and of all that is in it.
+    /// All values of the state and its descendants.
     State,
-    /// An input.
+    /// An input of the state.
     Input,
-    /// An output of its last end.
+    /// An output, from the state's last end.
     Output,
-    /// A scoped variable.
+    /// A scoped variable of the state.
     ScopedVariable,
-    /// A global variable.
+    /// A global variable of the run.
     Global,
 }
 
-/// The newest of a value.
+/// The newest value of a port or variable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct WatchedValue {
-    /// What of a state; never `state`.
+    /// Kind of value, never `state`.
     pub kind: WatchKind,
-    /// The state; of global variables empty.
+    /// Path of the state. Empty for global variables.
     pub path: String,
-    /// The port or variable.
+    /// Name of the port or variable.
     pub name: String,
-    /// The event that it is of, which may not be here yet.
+    /// Event that carries the value. It may not have arrived yet.
     pub sequence: u64,
     /// The time of that event since the start of the run, in ns.
     pub t_ns: u64,
     /// The value, if it is short.
     pub value: Option<Value>,
-    /// What is known of a longer one.
+    /// Description of the value, if it is long.
     pub large: Option<LongValue>,
 }
 
-/// A value that is too long to go ahead of its event.
+/// A value that is too long to be sent ahead of its event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct LongValue {
-    /// The name of its Python type; empty if that is not known.
+    /// Name of the Python type. Empty if it is not known.
     pub type_name: String,
-    /// Its size in bytes.
+    /// Size of the value in bytes.
     pub bytes: u64,
-    /// The BLAKE3 hash of its bytes in hex, if it is kept beside the events.
+    /// BLAKE3 hash of the value's bytes in hex, if they are kept beside the events.
     pub hash: Option<String>,
 }
 
-/// Whether the robot knows what is watched.
+/// Acknowledgement of the watched targets by the robot.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Watching {
-    /// It said so. Else it was asked, and it sends what it was asked for before.
+    /// True if the robot has acknowledged the targets. Until then it sends the previous ones.
     pub is_confirmed: bool,
-    /// Since when it is asked for this: ms since 1970, UTC, by the station's clock.
+    /// Time of the request: ms since 1970, UTC, by the station's clock.
     pub asked_ms: u64,
-    /// So much of what is watched it is not asked for, because it is too much.
+    /// Number of targets that were not requested because of the limits.
     pub left_out: u32,
 }
 
 impl WatchTarget {
-    /// Whether this value is watched by it.
+    /// Returns true if this target includes the value.
     pub fn fits(&self, kind: WatchKind, path: &str, name: &str) -> bool {
         match self.kind {
             WatchKind::State => {
@@ -101,8 +101,8 @@ impl WatchTarget {
         }
     }
 
-    /// What several watch, each once with its first priority, the first ones first. Also answers how many are left out because they are
-    /// too many.
+    /// Merges the targets of several viewers and sorts them by priority. Duplicates keep their highest priority. Also returns the
+    /// number of targets dropped because of the limits.
     pub fn union<'t>(all: impl IntoIterator<Item = &'t Self>) -> (Vec<Self>, usize) {
         let mut union: Vec<Self> = all.into_iter().cloned().collect();
         let wanted = union.len();
