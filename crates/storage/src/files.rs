@@ -19,13 +19,13 @@ pub const STAGING: &str = ".rafcon-save";
 /// One of the files of a state's folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Part {
-    /// The state itself.
+    /// Core data of the state.
     Core,
     /// The Python text of an execution state.
     Script,
-    /// The user's notes.
+    /// Semantic data of the user.
     Semantic,
-    /// The positions of its parts on the screen.
+    /// Layout of the state and its parts.
     Layout,
 }
 
@@ -33,7 +33,7 @@ impl Part {
     /// All files of a state.
     pub const ALL: [Self; 4] = [Self::Core, Self::Script, Self::Semantic, Self::Layout];
 
-    /// The file's name.
+    /// Returns the file name of the part.
     pub fn file_name(self) -> &'static str {
         match self {
             Self::Core => "core_data.json",
@@ -63,19 +63,19 @@ pub(crate) struct Oddities {
 }
 
 impl StateFolder {
-    /// A folder with children in any order.
+    /// Creates a folder with children in any order.
     pub(crate) fn new(folder: OsString, mut children: Vec<(StateId, Self)>) -> Self {
         children.sort_by(|a, b| a.0.cmp(&b.0));
         let children = if children.is_empty() { None } else { Some(Arc::new(children)) };
         Self { folder: folder.into(), extra: None, children }
     }
 
-    /// The same with another name of the folder.
+    /// Returns the folder with another name.
     pub(crate) fn in_folder(self, folder: OsString) -> Self {
         Self { folder: folder.into(), ..self }
     }
 
-    /// The same with other oddities.
+    /// Returns the folder with other oddities.
     pub(crate) fn with(mut self, oddities: Oddities) -> Self {
         self.extra = (oddities != Oddities::default()).then(|| Box::new(oddities));
         self
@@ -120,12 +120,12 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The folder of the machine.
+    /// Returns the folder of the machine.
     pub fn dir(&self) -> &std::path::Path {
         &self.dir
     }
 
-    /// The root state as it is on disk.
+    /// Returns the root state on disk.
     pub fn root(&self) -> &Arc<State> {
         &self.root
     }

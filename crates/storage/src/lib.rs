@@ -1,6 +1,6 @@
-//! What lies on disk: RAFCON's format, library paths, config, atomic saves, journals of runs.
+//! RAFCON's data on disk: the machine format, library paths, config, atomic saves, journals of runs.
 //!
-//! Knows files and folders. Knows nothing of execution: nothing here runs a state or asks Python.
+//! Handles files and folders, not execution: it never runs a state or calls Python.
 
 pub mod config;
 pub mod files;

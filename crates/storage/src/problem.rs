@@ -1,5 +1,5 @@
-//! Problems found while reading a machine, and errors that prevent it. A problem does not prevent reading; each names what,
-//! where and the remedy. Knows faults of files, not validity rules: those belong to the model.
+//! Problems found while reading a machine, and errors that prevent it. Reading continues after a problem, which names the fault,
+//! the location and the remedy. Faults of files only: the model checks the validity rules.
 
 use rafcon_model::json::ParseError;
 use rafcon_model::{CONFLICT_REMEDY, PortId, StateId, StatePath};
@@ -7,28 +7,28 @@ use smol_str::SmolStr;
 use std::path::PathBuf;
 use std::{fmt, io};
 
-/// The key with the class of a state.
+/// Key that contains the class of a state.
 const CLASS: &str = "__jsonqualname__";
 
 /// One fault of one file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoadProblem {
-    /// The path of the state; empty for the machine as a whole.
+    /// Path of the state. Empty for the machine as a whole.
     pub state: StatePath,
-    /// The file, relative to the machine's folder.
+    /// Path of the file, relative to the machine's folder.
     pub file: PathBuf,
-    /// The fault.
+    /// Fault of the file.
     pub fault: Fault,
 }
 
 impl LoadProblem {
-    /// Whether the validity rules also find it in the loaded machine. A caller that checks both leaves it out.
+    /// Returns true if the validity rules also find the fault in the loaded machine. A caller that checks both omits it here.
     pub fn is_found_by_rules(&self) -> bool {
         matches!(self.fault, Fault::LibraryVersion { .. } | Fault::ValueWithoutPort { .. })
     }
 }
 
-/// A fault of a file.
+/// A fault of a file in a machine's folder.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// The file does not parse.
@@ -43,41 +43,41 @@ pub enum Fault {
     /// The file as a whole, or one of its keys.
     #[error("{0}")]
     Wrong(Wrong),
-    /// One of the state's parts is set aside.
+    /// A part of the state is set aside.
     #[error("{element}: {wrong}")]
     Element {
-        /// Its place in the file, such as `outcomes.3`.
+        /// Position in the file, such as `outcomes.3`.
         element: SmolStr,
-        /// What is wrong with it.
+        /// Fault of the part.
         wrong: Wrong,
     },
     /// The class name is unknown.
     #[error("unknown class `{0}`")]
     UnknownClass(SmolStr),
-    /// Another state beside or around it has the same id.
+    /// A sibling or ancestor of the state has an equal id.
     #[error("the id {old} is taken; the state is now {new}")]
     TakenId {
-        /// The id in the file.
+        /// Id in the file.
         old: StateId,
-        /// The new id of the state.
+        /// New id of the state.
         new: StateId,
     },
-    /// The library was not found or not readable.
+    /// The library was not found or cannot be read.
     #[error("library {library} is missing: {reason}")]
     MissingLibrary {
         /// Path and name of the library.
         library: SmolStr,
-        /// The reason.
+        /// Reason why it is missing.
         reason: SmolStr,
     },
-    /// The instance was made with another version of the library.
+    /// The instance was created with another version of the library.
     #[error("made with version {wanted} of library {library}, found version {found}")]
     LibraryVersion {
         /// Path and name of the library.
         library: SmolStr,
-        /// The instance's version.
+        /// Version in the instance.
         wanted: SmolStr,
-        /// The library's version.
+        /// Version of the library.
         found: SmolStr,
     },
     /// A runtime value for a port that the library does not have.
@@ -87,7 +87,7 @@ pub enum Fault {
         library: SmolStr,
         /// `input` or `output`.
         side: &'static str,
-        /// The port.
+        /// Id of the port.
         port: PortId,
     },
     /// The library itself has faults.
@@ -95,18 +95,18 @@ pub enum Fault {
     InLibrary {
         /// Path and name of the library.
         library: SmolStr,
-        /// The number of faults.
+        /// Number of faults.
         count: usize,
-        /// The first of them.
+        /// Text of the first fault.
         first: Box<str>,
     },
-    /// A folder that leads back into itself.
+    /// A folder contains a link to one of its ancestors.
     #[error("the folder {0} leads back to one that contains it")]
     Loop(SmolStr),
-    /// Folders beyond the limit are not read.
+    /// The folders exceed the maximum depth, and deeper ones are not read.
     #[error("states nest deeper than {0} levels")]
     TooDeep(usize),
-    /// The root's folder is not where the header says.
+    /// The folder of the root differs from the one in the header.
     #[error("the root's folder {0} does not exist")]
     RootElsewhere(SmolStr),
 }
@@ -120,29 +120,29 @@ pub enum Wrong {
     /// A value has a wrong type.
     #[error("`{key}` should be {expected}, not {found}")]
     Type {
-        /// The key.
+        /// Name of the key.
         key: &'static str,
-        /// The expected type.
+        /// Name of the expected type.
         expected: &'static str,
-        /// The actual type.
+        /// Name of the actual type.
         found: &'static str,
     },
-    /// Not an object.
+    /// The value is not an object.
     #[error("should be an object, not {0}")]
     NotAnObject(&'static str),
     /// The key of an element is not a number.
     #[error("the key is not a whole number")]
     Key,
-    /// The key of an element is the same number as another's.
+    /// Two keys of elements denote one number.
     #[error("the same id occurs twice")]
     Twice,
-    /// The id in the element differs from its key, which counts.
+    /// The element contains another id than its key. The key counts.
     #[error("the id inside is {0}, the key counts")]
     OtherId(i64),
 }
 
 impl Fault {
-    /// The remedy for the user.
+    /// Returns the remedy for the user.
     pub fn remedy(&self) -> &'static str {
         match self {
             Self::Malformed(_) | Self::NotUtf8 => {
@@ -174,7 +174,7 @@ impl Fault {
         }
     }
 
-    /// True if the state has lost a part of its behaviour. Such a state aborts before it does anything.
+    /// Returns true if the state has lost a part of its behaviour. Such a state aborts before it does anything.
     pub(crate) fn is_damage(&self) -> bool {
         const HARMLESS: [&str; 4] = ["name", "state_id", "description", "income"];
         match self {
@@ -189,7 +189,7 @@ impl Fault {
         }
     }
 
-    /// Whether it is only a note: the machine was loaded as its files describe it.
+    /// Returns true if the fault is only a note: the machine was loaded as its files describe it.
     pub fn is_note(&self) -> bool {
         matches!(
             self,
@@ -209,19 +209,19 @@ impl fmt::Display for LoadProblem {
     }
 }
 
-/// Why a machine cannot be read.
+/// Reason why a machine cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
-    /// Nothing is at the path.
+    /// The path does not exist.
     #[error("{} does not exist; give the folder of a state machine or a file in it", path.display())]
     NotFound {
         /// The requested path.
         path: PathBuf,
     },
-    /// There is no header.
+    /// The folder contains no header.
     #[error("{} is not a state machine: it has no statemachine.json", path.display())]
     NotAMachine {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
     /// The machine has a layout that is too old to read.
@@ -230,21 +230,21 @@ pub enum LoadError {
         path.display()
     )]
     Yaml {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// There is a header, and no state at all.
+    /// The folder contains a header but no state.
     #[error("{} has no root state: a folder with core_data.json is missing", path.display())]
     NoRoot {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// The disk fails.
+    /// Reading from the disk failed.
     #[error("cannot read {}", path.display())]
     Io {
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The error of the system.
+        /// Error reported by the system.
         source: io::Error,
     },
     /// A link leads out of the folders from which machines may be loaded.
@@ -253,21 +253,21 @@ pub enum LoadError {
         link.display()
     )]
     Outside {
-        /// The link.
+        /// Path of the link.
         link: PathBuf,
     },
     /// The file is too large or not a regular file.
     #[error("{} is not a regular file of at most 64 MiB; put one there", file.display())]
     Unfit {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
     /// A save was interrupted and cannot be finished.
     #[error("cannot finish the interrupted save in {}", path.display())]
     Recovery {
-        /// The machine's folder.
+        /// Folder of the machine.
         path: PathBuf,
-        /// The error of the system.
+        /// Error reported by the system.
         source: io::Error,
     },
 }

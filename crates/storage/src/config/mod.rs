@@ -1,5 +1,5 @@
-//! Finds and reads the reference's `config.yaml`, and never writes it. Knows its keys, its usual places and its form of paths.
-//! Must never read the environment itself.
+//! Finds and reads the reference's `config.yaml`. Handles its keys, its default locations and its form of paths. Never writes the
+//! file, and never reads the environment itself.
 
 mod paths;
 mod read;
@@ -12,21 +12,21 @@ pub use read::{Config, ConfigNote, Naming, parse};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// The file's name.
+/// Name of the config file.
 const FILE: &str = "config.yaml";
 
-/// The config that the user named cannot be read.
+/// A config file that the user named cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot read the config {}", path.display())]
 pub struct ConfigError {
-    /// The file.
+    /// Path of the config file.
     pub path: PathBuf,
-    /// The error of the system.
+    /// Error reported by the system.
     pub source: io::Error,
 }
 
-/// Reads the config that `given` names (a file, or a folder with a `config.yaml`), else `~/.config/rafcon/config.yaml`.
-/// Without a file, returns defaults. The second value is the file that was read.
+/// Reads the config file `given` (or `config.yaml` in the folder `given`), or else `~/.config/rafcon/config.yaml`. Without a file,
+/// returns defaults. The second value is the path of the file that was read.
 pub fn find(
     given: Option<&Path>,
     environment: &Environment<'_>,

@@ -1,13 +1,12 @@
-//! Paths as people write them in a config: quotes, `~`, `${VAR}`, relative ones. Knows text and the environment that it
-//! is given.
+//! Paths as people write them in a config: quotes, `~`, `${VAR}`, relative ones. Uses only the environment that it receives.
 
 use std::path::{Component, Path, PathBuf};
 
 /// Looks up an environment variable. The program passes its own environment; a test passes any.
 pub type Environment<'e> = dyn Fn(&str) -> Option<String> + 'e;
 
-/// The path that `text` means: without quotes, `~` and variables replaced, relative to `base`, without `.` and `..`.
-/// A variable that is not set stays as it is written, so that a message shows it.
+/// Returns the path that `text` describes: without quotes, `~` and variables replaced, relative to `base`, without `.` and `..`. An
+/// undefined variable is not replaced, so that a message shows it.
 pub fn clean_path(text: &str, base: &Path, environment: &Environment<'_>) -> PathBuf {
     let text = text.trim().trim_matches(['"', '\'']);
     let text = expand_variables(text, environment);
@@ -19,7 +18,7 @@ pub fn clean_path(text: &str, base: &Path, environment: &Environment<'_>) -> Pat
     without_dots(&base.join(path))
 }
 
-/// `${NAME}` and `$NAME`.
+/// Replaces variables written `${NAME}` or `$NAME`.
 fn expand_variables(text: &str, environment: &Environment<'_>) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
@@ -36,7 +35,7 @@ fn expand_variables(text: &str, environment: &Environment<'_>) -> String {
     out
 }
 
-/// The name of the variable that `text` begins with (a `$`), and how many bytes it takes.
+/// Returns the name of the variable at the start of `text` (a `$`), and its length in bytes.
 fn variable(text: &str) -> (&str, usize) {
     if let Some(inside) = text.strip_prefix("${")
         && let Some(end) = inside.find('}')

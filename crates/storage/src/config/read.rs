@@ -1,4 +1,4 @@
-//! The text of a `config.yaml` to a typed value. Knows keys and defaults, no files.
+//! Parses the text of a `config.yaml`. Handles keys and defaults, no files.
 
 use super::paths::{Environment, clean_path};
 use rafcon_model::{CONFLICT_REMEDY, conflict_line};
@@ -10,26 +10,26 @@ use std::path::{Path, PathBuf};
 pub struct Config {
     /// Root name and folder, in the order of the file.
     pub library_paths: Vec<(String, PathBuf)>,
-    /// How folders of states are named.
+    /// Naming of states' folders.
     pub naming: Naming,
-    /// Whether a run keeps its history in memory.
+    /// True if a run keeps its history in memory.
     pub in_memory_history: bool,
-    /// Whether a run writes its history to files.
+    /// True if a run writes its history to files.
     pub file_history: bool,
-    /// The folder of these files, if the config names one.
+    /// Folder of the history files, if the config names one.
     pub execution_log_path: Option<PathBuf>,
-    /// Whether a script is compiled at each entry, instead of once.
+    /// True to compile a script at each entry, instead of once.
     pub recompile_scripts: bool,
-    /// Settings without effect.
+    /// Settings that have no effect.
     pub notes: Vec<ConfigNote>,
 }
 
-/// How the folder of a state is named (`docs/format.md`, folder names).
+/// Naming of a state's folder (see "folder names" in `docs/format.md`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Naming {
-    /// Whether the name contains the state's name and id, instead of the id alone.
+    /// True if the folder's name contains the state's name and id, false for the id alone.
     pub with_name: bool,
-    /// The maximum number of characters of the state's name.
+    /// Maximum number of characters of the state's name.
     pub max_name_length: Option<usize>,
 }
 
@@ -39,7 +39,7 @@ impl Default for Naming {
     }
 }
 
-/// Something in a config that has no effect.
+/// An entry of a config that has no effect.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigNote {
     /// The file is not YAML and has no effect.
@@ -48,9 +48,9 @@ pub enum ConfigNote {
     /// A value has a wrong type.
     #[error("{key} should be {expected}, so its default applies; correct the file")]
     WrongType {
-        /// The key.
+        /// Key of the value.
         key: String,
-        /// The expected type.
+        /// Name of the expected type.
         expected: &'static str,
     },
 }
@@ -69,7 +69,7 @@ impl Default for Config {
     }
 }
 
-/// Reads the text of a `config.yaml` that lies in `dir`. Never fails: what cannot be read is a note.
+/// Parses the text of a `config.yaml` in the folder `dir`. Never fails: unreadable entries become notes.
 pub fn parse(text: &str, dir: &Path, environment: &Environment<'_>) -> Config {
     let mut reader = ConfigReader { document: Yaml::BadValue, dir, environment, notes: Vec::new() };
     match Yaml::load_from_str(text) {
@@ -144,7 +144,7 @@ impl ConfigReader<'_> {
         length
     }
 
-    /// A path; the reference's placeholder for its own temporary folder means none.
+    /// Returns a path. The reference's placeholder for its own temporary folder counts as no path.
     fn path(&mut self, key: &str) -> Option<PathBuf> {
         let Some(text) = self.get(key)?.as_str() else {
             self.wrong(key, "a path");
@@ -178,7 +178,7 @@ impl ConfigReader<'_> {
     }
 }
 
-/// `$RELATIVE_PATH{x}` means `x` beside the config.
+/// Replaces `$RELATIVE_PATH{x}` by `x` in the config's folder.
 fn relative(text: &str) -> String {
     let inside = text.strip_prefix("$RELATIVE_PATH{").and_then(|rest| rest.strip_suffix('}'));
     inside.unwrap_or(text).to_owned()

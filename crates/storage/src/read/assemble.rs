@@ -101,7 +101,7 @@ fn build(
     Built { number, state, place: StateFolder::new(folder, places).with(oddities), linked }
 }
 
-/// Sorts by id; a state with a duplicate id gets another one, the same at each load.
+/// Sorts children by id. A state with a duplicate id receives a new id, which is deterministic.
 fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut NodePaths) {
     children.sort_by(|a, b| key(a).cmp(&key(b)));
     let mut taken = BTreeSet::from([parent.clone()]);
@@ -126,7 +126,7 @@ fn settle_ids(children: &mut [Built], parent: &StateId, trail: &mut NodePaths) {
     children.sort_by(|a, b| a.state.id.cmp(&b.state.id));
 }
 
-/// Of two states with one id, the state whose folder has this name keeps it.
+/// Sort key of a child. Among states with one id, the state whose folder name ends with the id keeps it.
 fn key(child: &Built) -> (&StateId, bool, &OsStr) {
     let folder = &child.place.folder;
     let is_own = folder.as_bytes().ends_with(child.state.id.as_str().as_bytes());

@@ -1,8 +1,8 @@
-//! Restricts reading to some folders, for programs that load machines on behalf of others. Knows links and
-//! kinds of files, not what is in them.
+//! Restricts reading to some folders, for programs that load machines on behalf of others. Checks links and kinds of files, not
+//! their content.
 //!
-//! The system itself reports whether a path contains a link; only for such paths the real location is looked up.
-//! A concurrent change of the path cannot lead elsewhere.
+//! The system itself reports whether a path contains a link. The real location is determined only for such paths. A concurrent
+//! change of the path cannot lead elsewhere.
 
 use rustix::fd::{AsFd, AsRawFd as _, OwnedFd};
 use rustix::fs::{CWD, FileType, Mode, OFlags, ResolveFlags, fstat, openat, openat2, readlink};
@@ -14,14 +14,14 @@ use std::path::{Path, PathBuf};
 /// The maximum size of a file that is read under a restriction.
 pub(super) const BYTES_MAX: u64 = 64 << 20;
 
-/// Why something was not read; paths are the requested ones.
+/// Reason why a file was not read. Paths are the requested ones.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Unread {
-    /// The system reports an error.
+    /// The system reported an error.
     System(Errno),
-    /// It lies in none of the folders.
+    /// The path is outside the allowed folders.
     Outside(PathBuf),
-    /// It is no regular file, or too large.
+    /// The file is not regular or is too large.
     Unfit(PathBuf),
 }
 
@@ -77,7 +77,7 @@ impl Bounds<'_> {
         }
     }
 
-    /// Whether an open file or folder is inside the allowed folders.
+    /// Returns true if an open file or folder is inside the allowed folders.
     pub(crate) fn holds(self, open: &OwnedFd) -> bool {
         let Some(homes) = self.0 else { return true };
         let Ok(place) = readlink(by_number(open), Vec::new()) else { return false };

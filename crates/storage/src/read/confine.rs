@@ -37,7 +37,7 @@ pub(super) fn check(dir: &Path, bounds: Bounds<'_>) -> Result<(), LoadError> {
     Ok(())
 }
 
-/// Whether a load reads a folder: it is a state or part of an interrupted save, and not another machine.
+/// Returns true if a load reads the folder: it is a state or part of an interrupted save, and not another machine.
 fn is_read(folder: &Path, listing: &[DirEntry]) -> bool {
     let has = |name: &str| listing.iter().any(|entry| entry.file_name() == name);
     let is_staged = folder.components().any(|part| part.as_os_str() == STAGING);
@@ -47,7 +47,7 @@ fn is_read(folder: &Path, listing: &[DirEntry]) -> bool {
     is_staged || (has(Part::Core.file_name()) && !listing.iter().any(is_machine))
 }
 
-/// What is wrong with an entry of a folder.
+/// Fault of an entry in a folder.
 enum EntryFault {
     Outside,
     Unfit,
@@ -117,13 +117,13 @@ impl Look<'_> {
     }
 }
 
-/// Whether a file can be read as a whole.
+/// Checks that a file can be read as a whole.
 fn check_fit(about: &Metadata) -> Result<(), EntryFault> {
     let check_fit = about.is_file() && about.len() <= BYTES_MAX;
     if check_fit { Ok(()) } else { Err(EntryFault::Unfit) }
 }
 
-/// Whether a load reads files of this name.
+/// Returns true if a load reads files of this name.
 fn is_ours(entry: &DirEntry) -> bool {
     let name = entry.file_name();
     let of_machine = [HEADER, YAML_HEADER, MACHINE_LAYOUT];
@@ -142,7 +142,7 @@ mod tests {
     use std::os::unix::fs::symlink;
     use std::path::Path;
 
-    /// The error for a machine after a change in the folder of its one state.
+    /// Returns the error for a machine after a change in the folder of its only state.
     fn said(change: impl FnOnce(&Path)) -> String {
         let place = tempfile::tempdir().unwrap();
         let place = place.path().canonicalize().unwrap();
@@ -161,7 +161,7 @@ mod tests {
         said.split(';').next().unwrap_or_default().to_owned()
     }
 
-    /// The error after a link with this name is added.
+    /// Returns the error after a link with this name is added.
     fn linked(to: &str, name: &str) -> String {
         said(|state| symlink(to, state.join(name)).unwrap())
     }

@@ -154,7 +154,7 @@ impl Decoder {
         };
         let mut ids = elements::Ids::new(members.len());
         let mut found = Vec::with_capacity(members.len());
-        // Of two keys for one id, the one in canonical form counts, at any position.
+        // If two keys denote one id, the key in canonical form counts, at any position.
         let is_plain = |text: &str| json::canonical_int(text).is_some();
         let plain = members.iter().filter(|(text, _)| is_plain(text));
         let odd = members.iter().filter(|(text, _)| !is_plain(text));

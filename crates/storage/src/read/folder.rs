@@ -98,7 +98,7 @@ impl<'h> FileReader<'h> {
         })
     }
 
-    /// Whether there is `folder/file` in `dir`.
+    /// Returns true if `folder/file` exists in `dir`.
     pub(crate) fn exists(&mut self, dir: impl AsFd, folder: &OsStr, file: &str) -> bool {
         self.set_path(folder, file);
         accessat(dir, self.path.as_slice(), Access::EXISTS, AtFlags::empty()).is_ok()

@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Looks libraries up for one machine.
+/// Adds the content of libraries to one machine.
 #[derive(Debug)]
 pub(crate) struct Contents<'l> {
     libraries: &'l Libraries,

@@ -27,7 +27,7 @@ struct PortMaps {
 const INPUTS: PortMaps = PortMaps { values: KEYS[3], flags: KEYS[4], legacy: "input_data_ports" };
 const OUTPUTS: PortMaps = PortMaps { values: KEYS[5], flags: KEYS[6], legacy: "output_data_ports" };
 
-/// The library reference in `document`; its content is looked up later.
+/// Decodes the library reference in `document`. The content is added later.
 pub(crate) fn decode(
     decoder: &mut Decoder,
     document: &Json,
@@ -66,7 +66,7 @@ fn runtime_values(
             let used = |value| RuntimeValue { value, used: true };
             return ports.into_iter().map(|port| (port.id, used(port.default))).collect();
         }
-        // Kept from the older form: it has no effect and stays.
+        // An entry of the older form without effect. It is preserved.
         Some(rest) => aside.whole(side.legacy, rest),
         None => {}
     }

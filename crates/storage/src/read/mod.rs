@@ -157,7 +157,7 @@ struct MachineFileHeader {
 }
 
 impl MachineFileHeader {
-    /// The root is not where the header says.
+    /// Adds a note that the root is not in the folder that the header names.
     fn note_root_elsewhere(&mut self) {
         self.outdated = true;
         let folder = self.root_folder.to_string_lossy().into();
@@ -211,7 +211,7 @@ fn about_machine(fault: Fault) -> LoadProblem {
     LoadProblem { state: StatePath::default(), file: HEADER.into(), fault }
 }
 
-/// The states below the root, and whether the root was not where the header says.
+/// Returns the states below the root, and true if the root is not in the folder that the header names.
 fn find_root(
     fd: &OwnedFd,
     dir: &Path,
@@ -268,7 +268,7 @@ fn root_folder(document: &Json) -> Option<SmolStr> {
     is_plain.then(|| folder.into())
 }
 
-/// Whether the document has a layout that is no longer written.
+/// Returns true if the document has a layout that is no longer written.
 fn is_outdated(document: &Json) -> bool {
     ["root_state_storage_id", "root_state_id", "version", "last_update"]
         .iter()

@@ -1,5 +1,5 @@
-//! Reads a machine that a run has stored: the same states as from its folder, without a file. Knows the way from packed
-//! files to the model; must never read the disk.
+//! Reads a machine that a run has stored. The result equals a load from its folder, but no file is opened. Converts packed files to
+//! the model; must never read the disk.
 
 use super::assemble::assemble;
 use super::bounds::Unread;
@@ -22,7 +22,7 @@ type PackedState<'p> = (&'p str, &'p OsStr, &'p Folder);
 /// The number of states that justifies a second thread.
 const WORTH_A_THREAD: usize = 64;
 
-/// Reads the machine in `folder` of a pack, and its libraries from the same pack; `dir` is the original folder of its files.
+/// Reads the machine in `folder` of a pack, and its libraries from that pack. `dir` is the original folder of its files.
 pub fn load_packed(
     packed: &Packed,
     folder: &str,
@@ -32,7 +32,7 @@ pub fn load_packed(
     load_packed_folder(packed, folder, dir, libraries, &Loading::first(PathBuf::from(folder)))
 }
 
-/// Reads it within `loading`, the machines that are being read around it.
+/// Reads the machine within `loading`, the machines that are being read around it.
 pub(crate) fn load_packed_folder(
     packed: &Packed,
     folder: &str,

@@ -8,7 +8,7 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 /// Names of the encoding whose bytes are the first code points.
 const LATIN_1: [&str; 6] = ["latin-1", "latin1", "iso-8859-1", "iso8859-1", "l1", "cp819"];
 
-/// The text, and whether it is another one than that of the file; `None` if it cannot be decoded.
+/// Returns the text, and true if it differs from the file's bytes. `None` if it cannot be decoded.
 pub(super) fn decode(bytes: &[u8]) -> Option<(Cow<'_, str>, bool)> {
     if let Ok(text) = std::str::from_utf8(bytes) {
         let plain = text.strip_prefix(BYTE_ORDER_MARK);

@@ -28,7 +28,7 @@ pub(crate) struct Node {
     pub(crate) state: State,
     pub(crate) faults: Vec<(Part, Fault)>,
     pub(crate) oddities: Oddities,
-    /// Reached by a link, so that the same files may also be another state.
+    /// True if a link led to the state, so that its files may also belong to another state.
     pub(crate) linked: bool,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct ReadState {
 }
 
 impl ReadState {
-    /// Adds its place.
+    /// Adds the state's position in the tree.
     pub(crate) fn node(
         self,
         number: usize,

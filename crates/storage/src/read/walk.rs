@@ -37,7 +37,7 @@ struct Dir {
     fd: OwnedFd,
     inode: u64,
     depth: usize,
-    /// For messages only.
+    /// Name of the folder, for messages.
     name: OsString,
     parent: Option<Arc<Self>>,
 }
@@ -48,7 +48,7 @@ impl Dir {
         above.unwrap_or_default().join(name)
     }
 
-    /// Whether the folder with this number is this one or contains it.
+    /// Returns true if the folder with this inode is this one or contains it.
     fn is_in(&self, inode: u64) -> bool {
         self.inode == inode || self.parent.as_ref().is_some_and(|around| around.is_in(inode))
     }
@@ -187,7 +187,7 @@ fn children(
     Ok(())
 }
 
-/// Whether the entry is a folder that contains this one.
+/// Returns true if the entry is a folder that contains this one.
 fn leads_back(dir: &Dir, name: &OsStr, bounds: Bounds<'_>) -> Result<bool, Unread> {
     match bounds.open(&dir.fd, Path::new(name), OFlags::DIRECTORY) {
         Ok(found) => Ok(folder::inode(found).is_ok_and(|inode| dir.is_in(inode))),

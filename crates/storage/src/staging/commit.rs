@@ -18,9 +18,9 @@ pub(crate) struct Plan {
     pub(crate) folders: Vec<PathBuf>,
     /// Files to prepare.
     pub(crate) files: Vec<NewFile>,
-    /// The last steps.
+    /// The last steps, which the manifest lists.
     pub(crate) manifest: SaveManifest,
-    /// The changes, for people.
+    /// Changed files and folders, for people.
     pub(crate) changed: Vec<PathBuf>,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct NewFile {
     pub(crate) like: Option<PathBuf>,
 }
 
-/// Carries the plan out in the machine's folder `dir`.
+/// Executes the plan in the machine's folder `dir`.
 pub(crate) fn commit(disk: &dyn Disk, dir: &Path, plan: &Plan) -> io::Result<()> {
     if plan.manifest.is_empty() {
         return Ok(());
@@ -76,7 +76,7 @@ fn prepare(disk: &dyn Disk, dir: &Path, staging: &Path, plan: &Plan) -> io::Resu
     disk.sync(&[staging.to_owned()])
 }
 
-/// Does the remaining steps of a manifest, makes them durable, and removes the staging folder.
+/// Executes the remaining steps of a manifest, makes them durable, and removes the staging folder.
 fn finish(disk: &dyn Disk, dir: &Path, manifest: &SaveManifest) -> io::Result<()> {
     let mut touched = BTreeSet::new();
     for (from, to) in &manifest.moves {
@@ -109,12 +109,12 @@ fn parent(path: &Path) -> PathBuf {
     path.parent().unwrap_or(path).to_owned()
 }
 
-/// Whether a save was interrupted here.
+/// Returns true if a save of this machine was interrupted.
 pub(crate) fn is_interrupted(disk: &dyn Disk, dir: &Path) -> bool {
     disk.exists(&dir.join(STAGING))
 }
 
-/// Finishes the interrupted save if it was prepared, else discards it. True if this changed the machine on disk.
+/// Finishes the interrupted save if it was prepared, or else discards it. Returns true if the machine on disk changed.
 pub(crate) fn recover(disk: &dyn Disk, dir: &Path) -> io::Result<bool> {
     let staging = dir.join(STAGING);
     let manifest = disk.read(&staging.join(MANIFEST))?;

@@ -26,15 +26,15 @@ pub(crate) trait Disk: Sync {
     fn remove_dir(&self, path: &Path) -> io::Result<()>;
     /// Removes the folder with its content, if it exists.
     fn remove_tree(&self, path: &Path) -> io::Result<()>;
-    /// Whether the path exists.
+    /// Returns true if the path exists.
     fn exists(&self, path: &Path) -> bool {
         fs::symlink_metadata(path).is_ok()
     }
-    /// The bytes of the file, if it exists.
+    /// Returns the bytes of the file, if it exists.
     fn read(&self, path: &Path) -> io::Result<Option<Vec<u8>>> {
         found(fs::read(path))
     }
-    /// The names in the folder; none if it does not exist.
+    /// Returns the names in the folder. Empty if the folder does not exist.
     fn list(&self, path: &Path) -> io::Result<Vec<OsString>> {
         let Some(entries) = found(fs::read_dir(path))? else { return Ok(Vec::new()) };
         entries.map(|entry| Ok(entry?.file_name())).collect()

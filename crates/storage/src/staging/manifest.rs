@@ -1,4 +1,4 @@
-//! The list of the last steps of a save once everything is prepared. Knows its form, does nothing.
+//! List of the last steps of a save, after all data is prepared. Encodes and decodes the list, but does not execute it.
 
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt as _;
@@ -7,8 +7,7 @@ use std::path::{Component, Path, PathBuf};
 const FIRST_LINE: &[u8] = b"rafcon save 1\n";
 const END: &[u8] = b"end";
 
-/// The last steps of a save, in this order; all paths are relative to the machine's folder. Doing them again changes
-/// nothing.
+/// The last steps of a save, in this order. All paths are relative to the machine's folder. The steps are idempotent.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct SaveManifest {
     /// Files and folders to move from the first path to the second; done if the first does not exist.
@@ -20,17 +19,17 @@ pub(crate) struct SaveManifest {
 }
 
 impl SaveManifest {
-    /// Whether it has no steps.
+    /// Returns true if there are no steps.
     pub(crate) fn is_empty(&self) -> bool {
         self.moves.is_empty() && self.removed.is_empty() && self.emptied.is_empty()
     }
 
-    /// Whether its only step is one move.
+    /// Returns true if the only step is one move.
     pub(crate) fn is_single_move(&self) -> bool {
         self.moves.len() == 1 && self.removed.is_empty() && self.emptied.is_empty()
     }
 
-    /// The bytes of the file. A path may contain any byte but zero, so zero ends it.
+    /// Encodes the list. A zero byte ends each path, because a path may contain any other byte.
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut bytes = FIRST_LINE.to_vec();
         for (from, to) in &self.moves {
@@ -47,7 +46,7 @@ impl SaveManifest {
         bytes
     }
 
-    /// Reads the file; `None` if it is not complete, or leads out of the machine's folder.
+    /// Decodes the list. `None` if it is incomplete or leads out of the machine's folder.
     pub(crate) fn decode(bytes: &[u8]) -> Option<Self> {
         let body = bytes.strip_prefix(FIRST_LINE)?.strip_suffix(END)?;
         let mut manifest = Self::default();

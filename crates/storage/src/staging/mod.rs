@@ -1,8 +1,8 @@
-//! A save that is never half done: what it writes is prepared in a staging folder, listed, and then moved into place.
-//! Knows files and folders, nothing of machines.
+//! Atomic saves: new data is prepared in a staging folder, listed in a manifest, and then moved into place. Handles files and
+//! folders, not machines.
 //!
-//! One save runs at a time, and no load in the middle of one: both lock the machine's folder itself, so that no lock file
-//! remains. A file system without such locks locks nothing.
+//! Saves and loads of a machine exclude each other, and so do two saves. They lock the machine's folder itself, so that no lock
+//! file remains. A file system without such locks gives no protection.
 
 mod commit;
 mod disk;

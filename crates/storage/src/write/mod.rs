@@ -1,5 +1,5 @@
-//! Writes a machine: only what changed, in one step that is never half done. Compares with what is on disk, plans the
-//! difference and carries it out. Knows the current layout; the older ones are only read.
+//! Writes the changes of a machine in one atomic step. Compares with the disk, plans the difference and executes the plan. Writes
+//! the current layout; older ones are only read.
 
 mod encode;
 mod naming;
@@ -25,15 +25,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io, thread};
 
-/// Why a machine was not saved. The machine on disk is the old one, at the latest after the next load.
+/// Reason why a machine was not saved. The disk still has the old machine, at the latest after the next load.
 #[derive(Debug, thiserror::Error)]
 pub enum SaveError {
     /// An operation on the disk failed.
     #[error("cannot save to {}", path.display())]
     Io {
-        /// The machine's folder.
+        /// Folder of the machine.
         path: PathBuf,
-        /// The error of the system.
+        /// Error reported by the system.
         source: io::Error,
     },
     /// A file that would be replaced is a link.
@@ -47,21 +47,21 @@ pub enum SaveError {
         /// Target of the link, outside the machine.
         to: PathBuf,
     },
-    /// The folder contains a machine that cannot be read, and therefore not be replaced.
+    /// The folder contains a machine that cannot be read. It is not replaced.
     #[error("cannot replace the machine in {}", path.display())]
     Occupied {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// The reason.
+        /// Reason why it cannot be read.
         source: LoadError,
     },
 }
 
 /// Writes the parts of `machine` that differ from the machine on disk into the folder `target`.
 ///
-/// `previous` is the machine last loaded from or saved to `target`: then only changed states are examined, and folders
-/// keep their names. With the `previous` of another folder, a copy is written. Without it, a machine in `target` is
-/// replaced. Foreign files stay in every case. A kill at any moment leaves the old or the new machine.
+/// `previous` is the machine last loaded from or saved to `target`: then only changed states are examined, and folders keep their
+/// names. With the `previous` of another folder, a copy is written. Without it, a machine in `target` is replaced. Foreign files
+/// are never touched. A kill at any moment leaves the old or the new machine.
 pub fn save(
     machine: &Machine,
     target: &Path,
@@ -71,7 +71,7 @@ pub fn save(
     save_on(&RealDisk, machine, target, previous, naming)
 }
 
-/// Saves on any disk.
+/// Saves on a given disk.
 fn save_on(
     disk: &dyn Disk,
     machine: &Machine,
@@ -95,7 +95,7 @@ fn save_on(
     Ok(saved(machine, target, place))
 }
 
-/// Refuses to replace or remove a link: others read what it leads to, as in an installed workspace.
+/// Refuses to replace or remove a link, because other programs read its target, as in an installed workspace.
 fn unless_linked(target: &Path, plan: &Plan) -> Result<(), SaveError> {
     let moves = &plan.manifest.moves;
     let replaced = moves.iter().enumerate().map(|(at, (_, to))| before_moves(to, &moves[..at]));
@@ -110,7 +110,7 @@ fn unless_linked(target: &Path, plan: &Plan) -> Result<(), SaveError> {
     Ok(())
 }
 
-/// The machine on disk after a save.
+/// Returns the machine on disk after a save.
 fn saved(machine: &Machine, target: &Path, place: StateFolder) -> Saved {
     Saved {
         dir: target.to_owned(),
@@ -122,7 +122,7 @@ fn saved(machine: &Machine, target: &Path, place: StateFolder) -> Saved {
     }
 }
 
-/// The plan that changes the disk from `old` to `machine`, and the folders afterwards.
+/// Plans the change of the disk from `old` to `machine`. Also returns the folders afterwards.
 fn plan(
     disk: &dyn Disk,
     machine: &Machine,
@@ -140,7 +140,7 @@ fn plan(
     Ok((planner.plan, place))
 }
 
-/// The current place of what lies at `path` after these moves.
+/// Returns the current location of a file or folder that will be at `path` after these moves.
 fn before_moves(path: &Path, moves: &[(PathBuf, PathBuf)]) -> PathBuf {
     moves.iter().rev().fold(path.to_owned(), |path, (from, to)| match path.strip_prefix(to) {
         Ok(rest) if rest.as_os_str().is_empty() => from.clone(),
@@ -157,7 +157,7 @@ fn machine_files(planner: &mut Planner<'_>, new: &Header, old: Option<&Header>) 
     planner.machine_file(MACHINE_LAYOUT, encode::machine_layout(new).map(String::into_bytes), same)
 }
 
-/// The machine that is already in the folder.
+/// Returns the machine that is already in the folder.
 fn occupant(disk: &dyn Disk, target: &Path) -> Result<Option<Saved>, SaveError> {
     if !disk.exists(&target.join(HEADER)) {
         return Ok(None);
@@ -173,16 +173,16 @@ fn is_same_folder(a: &Path, b: &Path) -> bool {
     a == b || matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// The result of formatting.
+/// Result of formatting a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Formatted {
-    /// Files and folders that were written, moved or removed, relative to the machine's folder.
+    /// Files and folders written, moved or removed, relative to the machine's folder.
     pub changed: Vec<PathBuf>,
-    /// Problems found; damaged files stay as they are.
+    /// Problems found. Damaged files are not changed.
     pub problems: Vec<LoadProblem>,
 }
 
-/// Why a machine was not formatted.
+/// Reason why a machine was not formatted.
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// The machine cannot be read.
@@ -193,8 +193,8 @@ pub enum FormatError {
     Save(#[from] SaveError),
 }
 
-/// Rewrites the machine in the folder `path` (or of the file `path`) in the current layout and dialect. Correct files
-/// are not touched; foreign files stay. With `dry`, only returns what would change.
+/// Rewrites the machine in the folder `path` (or of the file `path`) in the current layout and dialect. Correct files and foreign
+/// files are not touched. With `dry`, only returns the changes.
 pub fn format(path: &Path, naming: Naming, dry: bool) -> Result<Formatted, FormatError> {
     let dir = machine_folder(path)?;
     let failed = |source: io::Error| SaveError::Io { path: dir.clone(), source };
@@ -218,12 +218,12 @@ pub fn format(path: &Path, naming: Naming, dry: bool) -> Result<Formatted, Forma
     Ok(Formatted { changed, problems })
 }
 
-/// Up to this depth, the stack of any thread is large enough.
+/// Maximum depth for which the stack of any thread is large enough.
 const USUAL: usize = 100;
-/// The maximum stack of one level.
+/// Maximum stack of one level.
 const BYTES_PER_LEVEL: usize = 16 * 1024;
 
-/// Does `work` on this thread, or on a thread with a stack that is large enough for `depth` levels.
+/// Runs `work` on this thread, or on a thread with a stack that is large enough for `depth` levels.
 fn with_room<T: Send>(depth: usize, work: impl FnOnce() -> io::Result<T> + Send) -> io::Result<T> {
     if depth <= USUAL {
         return work();
@@ -238,7 +238,7 @@ fn with_room<T: Send>(depth: usize, work: impl FnOnce() -> io::Result<T> + Send)
     })
 }
 
-/// The nesting depth of `root`; skips states shared with `old`.
+/// Returns the nesting depth of `root`. Skips states shared with `old`.
 fn depth(root: &Arc<State>, old: Option<&Arc<State>>) -> usize {
     let mut deepest = 0;
     let mut waiting = vec![(root, old, 1)];

@@ -1,5 +1,5 @@
-//! Plans the operations of a save: which files are new, which folders move, what is removed.
-//! Knows both trees and the folders of the old one; reads names of folders, writes nothing.
+//! Plans the operations of a save: new files, moved folders, removals. Uses both trees and the folders of the old one. Reads names
+//! of folders and writes nothing.
 
 use super::naming::{folder_name, free_name};
 use super::parts::{self, Old};
@@ -13,26 +13,26 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How much to compare and to write.
+/// Extent of the comparison and of the writing.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mode {
     pub(crate) naming: Naming,
-    /// Compare every file with the disk, and give every folder its usual name.
+    /// True to compare every file with the disk, and to give every folder its standard name.
     pub(crate) rewrite: bool,
-    /// Some unchanged state differs from its file.
+    /// True if some unchanged state differs from its file.
     pub(crate) stale: bool,
-    /// The old tree is in the target folder.
+    /// True if the old tree is in the target folder.
     pub(crate) here: bool,
 }
 
 impl Mode {
-    /// Whether to skip states that are identical to the loaded ones.
+    /// Returns true if states identical to the loaded ones are skipped.
     pub(crate) fn is_lazy(self) -> bool {
         self.here && !self.rewrite && !self.stale
     }
 }
 
-/// Makes the plan of one save.
+/// Creates the plan of one save.
 pub(crate) struct Planner<'p> {
     disk: &'p dyn Disk,
     dir: &'p Path,
@@ -44,17 +44,17 @@ pub(crate) struct Planner<'p> {
 /// The folders of a state, relative to the machine's folder.
 #[derive(Debug, Clone)]
 struct Spot {
-    /// The current folder of its files; `None` if it is not on this disk.
+    /// Current folder of the files. `None` if they are not on this disk.
     now: Option<PathBuf>,
-    /// The folder after the folders around it have moved.
+    /// Location of the folder after its ancestors have moved.
     moved: PathBuf,
-    /// The folder for new files: the folder itself, or a staged one.
+    /// Folder for new files: the folder itself, or a staged one.
     path: PathBuf,
-    /// The folder does not exist yet, and is prepared as a whole.
+    /// True if the folder does not exist yet and is prepared as a whole.
     staged: bool,
 }
 
-/// One state to be written.
+/// A state to write.
 struct Job<'j> {
     new: &'j State,
     old: Option<Old<'j>>,
@@ -66,7 +66,7 @@ impl<'p> Planner<'p> {
         Self { disk, dir, mode, plan: Plan::default(), staged: 0 }
     }
 
-    /// Plans the whole tree, and returns its folders after the save.
+    /// Plans the whole tree and returns its folders after the save.
     pub(crate) fn root(
         &mut self,
         new: &Arc<State>,
@@ -145,7 +145,7 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    /// Whether the file was loaded or saved by this program, and its part did not change.
+    /// Returns true if this program loaded or saved the file and its part did not change.
     fn is_as_before(&self, job: &Job<'_>, part: Part) -> bool {
         let Some(old) = job.old.filter(|_| job.spot.now.is_some() && !self.mode.rewrite) else {
             return false;
@@ -154,7 +154,7 @@ impl<'p> Planner<'p> {
         !is_stale && parts::is_same(job.new, old.state, part)
     }
 
-    /// Whether the file on disk is correct, if every file is compared.
+    /// Returns true if the file on disk is correct. Applies only if every file is compared.
     fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
         let Some(now) = job.spot.now.as_ref().filter(|_| self.mode.rewrite) else {
             return Ok(false);
@@ -166,7 +166,7 @@ impl<'p> Planner<'p> {
         Ok(found.as_deref() == bytes)
     }
 
-    /// Prepares a file that replaces another.
+    /// Plans a file that replaces another one.
     fn replace(&mut self, to: PathBuf, bytes: Vec<u8>) {
         let path = self.staged_path();
         self.plan.files.push(NewFile { path: path.clone(), bytes, like: Some(to.clone()) });
@@ -204,12 +204,12 @@ impl<'p> Planner<'p> {
         Ok(places)
     }
 
-    /// Whether the child and its path are unchanged.
+    /// Returns true if the child and its path are unchanged.
     fn is_untouched(&self, child: &Arc<State>, before: Old<'_>, spot: &Spot) -> bool {
         self.mode.is_lazy() && spot.now.is_some() && Arc::ptr_eq(child, before.state)
     }
 
-    /// The child's folder, and where its files are.
+    /// Returns the child's folder and its location.
     fn child(
         &mut self,
         child: &State,
@@ -273,7 +273,7 @@ impl<'p> Planner<'p> {
         Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }))
     }
 
-    /// Names in the folder, read at the first use.
+    /// Reads the names in the folder, once.
     fn take_names(&self, spot: &Spot, names: &mut Names) -> io::Result<()> {
         if names.taken.is_none() {
             let mut taken: BTreeSet<OsString> = BTreeSet::new();
@@ -285,7 +285,7 @@ impl<'p> Planner<'p> {
         Ok(())
     }
 
-    /// Removes states that are not in `new`, with their content.
+    /// Plans the removal of states that are not in `new`, with their content.
     fn remove_children(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot) {
         let Some(old) = old.filter(|_| spot.now.is_some()) else { return };
         let states = new.container().map(|container| &container.states);
@@ -311,18 +311,18 @@ impl<'p> Planner<'p> {
     }
 }
 
-/// The names of folders in one folder.
+/// Names in use in one folder.
 struct Names {
     taken: Option<BTreeSet<OsString>>,
 }
 
 impl Names {
-    /// An unused name.
+    /// Returns an unused name.
     fn free(&mut self, state: &State, naming: Naming) -> OsString {
         self.free_but(state, naming, OsStr::new(""))
     }
 
-    /// An unused name for a folder that may keep its name.
+    /// Returns an unused name for a folder that may keep its own.
     fn free_but(&mut self, state: &State, naming: Naming, own: &OsStr) -> OsString {
         let taken = self.taken.get_or_insert_default();
         let is_taken = |name: &OsStr| name != own && taken.contains(name);

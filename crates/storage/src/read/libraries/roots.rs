@@ -8,38 +8,38 @@ use std::path::{Path, PathBuf};
 /// A named folder with libraries below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Root {
-    /// The first part of library paths.
+    /// First part of its library paths.
     pub name: SmolStr,
-    /// Its folder.
+    /// Folder of the root.
     pub dir: PathBuf,
 }
 
-/// Something about the roots that the user should know.
+/// A fact about the roots that the user should know.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RootNote {
     /// The folder does not exist.
     #[error("library root {name}: {} does not exist; correct the path or remove it", dir.display())]
     NoFolder {
-        /// The root's name.
+        /// Name of the root.
         name: SmolStr,
-        /// Its folder.
+        /// Folder that does not exist.
         dir: PathBuf,
     },
-    /// A later source gives the same name to another folder.
+    /// A later source assigns another folder to this name.
     #[error("library root {name} is now {}, not {}; rename one to use both", new.display(), old.display())]
     Replaced {
-        /// The root's name.
+        /// Name of the root.
         name: SmolStr,
-        /// The replaced folder.
+        /// Folder that was replaced.
         old: PathBuf,
-        /// The new folder.
+        /// Folder that counts.
         new: PathBuf,
     },
 }
 
-/// The roots in a defined order: those of the config, then those of `RAFCON_LIBRARY_PATH` in its order, then `given`
-/// (from the command line). A later root with the same name replaces an earlier one. If none of the config's roots
-/// exists, the usual ones below `RAFCON_LIB_PATH` are taken instead.
+/// Returns the roots in a defined order: those of the config, then those of `RAFCON_LIBRARY_PATH` in its order, then `given` (from
+/// the command line). A later root replaces an earlier one of this name. If none of the config's roots exists, the default ones
+/// below `RAFCON_LIB_PATH` are used instead.
 pub fn roots(
     config: &Config,
     environment: &Environment<'_>,
@@ -70,7 +70,7 @@ fn search_path(environment: &Environment<'_>) -> Vec<PathBuf> {
     parts.map(|part| clean_path(part, Path::new(""), environment)).collect()
 }
 
-/// The reference's own defaults.
+/// Default roots of the reference.
 fn default_roots(environment: &Environment<'_>) -> Vec<(&'static str, PathBuf)> {
     const DEFAULTS: [(&str, &str); 6] = [
         ("generic", "generic"),

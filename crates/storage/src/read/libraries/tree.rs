@@ -12,13 +12,13 @@ const MAX_DEPTH: usize = 32;
 /// A folder or library below a root.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LibraryEntry {
-    /// The folder's name, or the root's.
+    /// Name of the folder or root.
     pub name: SmolStr,
     /// The library path of its content (`root/folder`).
     pub path: SmolStr,
-    /// Its folder.
+    /// Folder of the entry.
     pub dir: PathBuf,
-    /// Its kind.
+    /// Folder or library.
     pub kind: EntryKind,
 }
 
@@ -27,13 +27,12 @@ pub struct LibraryEntry {
 pub enum EntryKind {
     /// A folder with entries, sorted by name.
     Folder(Vec<LibraryEntry>),
-    /// A library; nothing below it is listed.
+    /// A library. Entries below it are not listed.
     Library,
 }
 
 impl Libraries {
-    /// All roots with the entries below them. Folders that cannot be read are empty; names that begin with a dot are left
-    /// out.
+    /// Returns all roots with the entries below them. Unreadable folders are empty. Names that begin with a dot are omitted.
     pub fn tree(&self) -> Vec<LibraryEntry> {
         self.roots().iter().map(root_entry).collect()
     }
