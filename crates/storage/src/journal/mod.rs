@@ -1,6 +1,6 @@
-//! The journal of a run: everything that happened in it, in order, in a folder of its own (`docs/journal.md`).
+//! Journal of a run: all its events in order, in a separate folder (`docs/journal.md`).
 //!
-//! Knows how events are kept and found again. Does not know what makes them happen.
+//! Handles the storage and retrieval of events, not their causes.
 
 mod compare;
 mod export;

@@ -1,5 +1,5 @@
-//! Stops a save at each operation on the disk; a load afterwards reads exactly the old or exactly the new
-//! machine, and no file of the save remains.
+//! Stops a save at each operation on the disk. A load afterwards reads exactly the old or exactly the new machine, and no file of
+//! the save remains.
 
 use super::save_on;
 use crate::staging::{Disk, RealDisk, is_interrupted, recover};
@@ -102,7 +102,7 @@ impl Disk for DyingDisk {
     }
 }
 
-/// What is on a disk.
+/// Content of a disk, by path.
 type Bytes = Vec<(String, Vec<u8>)>;
 
 /// A machine on disk that is to be replaced by another.

@@ -1,13 +1,13 @@
-//! The name of a state's folder (`docs/format.md`, folder names). Knows text only.
+//! Name of a state's folder (see "folder names" in `docs/format.md`). Handles text only.
 
 use crate::config::Naming;
 use rafcon_model::{State, StateId};
 use std::ffi::{OsStr, OsString};
 
-/// The maximum length of a name in file systems, in bytes.
+/// Maximum length of a file name, in bytes.
 const LONGEST: usize = 255;
 
-/// The folder's name: the characters of the state's name and id that are safe in a file name.
+/// Returns the folder's name: the characters of the state's name and id that are safe in a file name.
 pub(crate) fn folder_name(state: &State, naming: Naming) -> String {
     let id = plain_id(&state.id);
     if !naming.with_name {
@@ -18,7 +18,7 @@ pub(crate) fn folder_name(state: &State, naming: Naming) -> String {
     format!("{}_{id}", shortened(&sanitized(&state.name), most))
 }
 
-/// `wanted`, or `wanted` with a number behind it if that is taken.
+/// Returns the name itself, or the name with a number appended if it is taken.
 pub(crate) fn free_name(wanted: &str, is_taken: impl Fn(&OsStr) -> bool) -> OsString {
     let mut name = OsString::from(wanted);
     let mut number = 2_u64;
@@ -29,13 +29,13 @@ pub(crate) fn free_name(wanted: &str, is_taken: impl Fn(&OsStr) -> bool) -> OsSt
     name
 }
 
-/// Spaces and stars become `_`; of the rest only letters, digits, `_` and `-` of ASCII stay.
+/// Replaces spaces and stars by `_`, and removes all other characters except ASCII letters, digits, `_` and `-`.
 fn sanitized(name: &str) -> String {
     let replaced = name.chars().map(|c| if matches!(c, ' ' | '*') { '_' } else { c });
     replaced.filter(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-')).collect()
 }
 
-/// The beginning and the end of a name that is too long, with `_` between.
+/// Returns the start and the end of a name that is too long, joined by `_`.
 fn shortened(name: &str, most: usize) -> String {
     if name.len() <= most {
         return name.to_owned();
@@ -45,7 +45,7 @@ fn shortened(name: &str, most: usize) -> String {
     if most == 0 { String::new() } else { format!("{}_{end}", &name[..kept.div_ceil(2)]) }
 }
 
-/// An id as a file name: ids of the usual form are; any other is cut to what is safe.
+/// Returns an id as a file name. Unsafe characters are removed, and long ids are cut.
 fn plain_id(id: &StateId) -> String {
     let mut plain = sanitized(id.as_str());
     plain.truncate(LONGEST / 2);

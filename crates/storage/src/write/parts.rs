@@ -39,7 +39,7 @@ pub(crate) fn text(state: &State, part: Part) -> Option<String> {
     }
 }
 
-/// Whether both states have the same content in this file.
+/// Returns true if both states have equal content in this file.
 pub(crate) fn is_same(new: &State, old: &State, part: Part) -> bool {
     match part {
         Part::Core => is_same_core(new, old),
@@ -70,21 +70,21 @@ fn is_same_core(new: &State, old: &State) -> bool {
     }
 }
 
-/// Children have files of their own.
+/// Compares containers without their children, which have their own files.
 fn is_same_inside(new: &Container, old: &Container) -> bool {
     new.transitions == old.transitions
         && new.data_flows == old.data_flows
         && new.scoped_variables == old.scoped_variables
 }
 
-/// The content of a library is in no file of this machine.
+/// Compares library references without the library's content, which is in no file of this machine.
 fn is_same_reference(new: &Library, old: &Library) -> bool {
     let parts =
         |library: &Library| (library.path.clone(), library.name.clone(), library.version.clone());
     parts(new) == parts(old) && new.inputs == old.inputs && new.outputs == old.outputs
 }
 
-/// The bytes of the file; the original ones, if they could not be decoded and their part did not change.
+/// Returns the bytes of the file. They are the original ones if these could not be decoded and their part did not change.
 pub(crate) fn bytes(state: &State, old: Option<Old<'_>>, part: Part) -> Option<Vec<u8>> {
     let verbatim = old.and_then(|old| {
         let bytes = old.place.verbatim(part)?;
@@ -93,7 +93,7 @@ pub(crate) fn bytes(state: &State, old: Option<Old<'_>>, part: Part) -> Option<V
     verbatim.or_else(|| text(state, part).map(String::into_bytes))
 }
 
-/// The oddities of a state after the save: damaged files stay damaged while their part does not change.
+/// Returns the oddities of a state after the save: damaged files remain damaged until their part changes.
 pub(crate) fn oddities(new: &State, old: Option<Old<'_>>) -> crate::files::Oddities {
     let mut oddities = crate::files::Oddities::default();
     if let Some(old) = old {

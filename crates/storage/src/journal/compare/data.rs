@@ -1,4 +1,4 @@
-//! Finds the values in which two runs differ. Knows records of entries and ends of states.
+//! Finds values that differ between two runs. Uses records of entries and ends of states.
 
 use super::digest::Digests;
 use super::steps::{ComparedStep, Did};
@@ -10,10 +10,10 @@ use serde_json::Value;
 use smol_str::SmolStr;
 use std::collections::BTreeSet;
 
-/// The maximum number of reported differences.
+/// Maximum number of reported differences.
 const CHANGES_MAX: usize = 100;
 
-/// The differences in the values of these pairs, only the first for each state's entries and ends.
+/// Returns the differences in the values of these pairs: only the first for each state's entries and ends.
 pub(super) fn changes(
     one: &mut Reader,
     other: &mut Reader,
@@ -43,7 +43,7 @@ struct ComparedSide<'r> {
     reader: &'r Reader,
     entry: &'r Entry,
     digests: Digests,
-    /// Its values by kind and port.
+    /// Values of the record, by kind and port.
     values: Vec<(DataKind, SmolStr, &'r Kept)>,
 }
 

@@ -1,4 +1,4 @@
-//! Digests of values: equal values have equal digests. Knows which parts of a value identify it.
+//! Digests of values. Equal values have equal digests. Defines which parts of a value identify it.
 
 use crate::journal::folder::{ContentHash, JournalError};
 use crate::journal::read::Reader;
@@ -6,14 +6,14 @@ use crate::journal::record::{Content, Kept, Record, Stored, ValueNumber};
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-/// Makes digests for one run.
+/// Computes digests for one run.
 #[derive(Debug, Default)]
 pub(super) struct Digests {
     known: BTreeMap<ValueNumber, u64>,
 }
 
 impl Digests {
-    /// The digest of the values of an entry or end, including its error.
+    /// Returns the digest of the values of an entry or end, including its error.
     pub(super) fn of(&mut self, reader: &Reader, record: &Record) -> Result<u64, JournalError> {
         let mut hasher = DefaultHasher::new();
         let (values, error) = match record {
@@ -27,7 +27,7 @@ impl Digests {
         Ok(hasher.finish())
     }
 
-    /// The digest of one value.
+    /// Returns the digest of one value.
     pub(super) fn of_value(&mut self, reader: &Reader, value: &Kept) -> Result<u64, JournalError> {
         let mut hasher = DefaultHasher::new();
         match value {
@@ -55,10 +55,10 @@ fn of_stored(stored: &Stored) -> u64 {
     stored.type_name.hash(&mut hasher);
     match &stored.content {
         Content::View => stored.view.to_string().hash(&mut hasher),
-        // A replica names bytes by their hash that the run itself has in its journal.
+        // A replica may name these bytes by their hash, so both forms need equal digests.
         Content::Pickle(bytes) => ContentHash::of(bytes).name().hash(&mut hasher),
         Content::File { hash, .. } => hash.as_str().hash(&mut hasher),
-        // The view of such a value may contain its address in memory.
+        // The view of such a value may contain its memory address.
         Content::Nothing(_) => {}
     }
     hasher.finish()

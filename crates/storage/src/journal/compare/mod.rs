@@ -12,13 +12,13 @@ use rafcon_protocol::api::{Comparison, Happened, Parting, Timing};
 use std::collections::BTreeSet;
 use steps::{ComparedStep, Did, Key, Keys, Steps};
 
-/// The maximum number of reported branches on which two runs diverge.
+/// Maximum number of reported branches on which two runs diverge.
 const PARTED_MAX: usize = 64;
 
-/// Where two runs diverge on a branch: the first different step of each run, if there is one.
+/// Divergence of two runs on a branch: the first different step of each run, if there is one.
 type Parted<'s> = (Key, Option<&'s ComparedStep>, Option<&'s ComparedStep>);
 
-/// Compares two runs.
+/// Compares two runs: divergence, changed data and timing.
 pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, JournalError> {
     let mut keys = Keys::default();
     let (a, b) = (Steps::read(one, &mut keys)?, Steps::read(other, &mut keys)?);
@@ -47,7 +47,7 @@ pub fn compare(one: &mut Reader, other: &mut Reader) -> Result<Comparison, Journ
     Ok(Comparison { alike, parted, branches_parted, changed, timing })
 }
 
-/// The time at which runs diverge, in the run in which this happens earlier.
+/// Returns the time of the divergence, in the run in which it is earlier.
 fn earliest((_, x, y): &Parted<'_>) -> (Option<u64>, Option<u64>, Option<u64>) {
     let time = [x, y].into_iter().flatten().map(|step| step.t_ns).min();
     (time, x.map(|x| x.sequence), y.map(|y| y.sequence))
@@ -82,7 +82,7 @@ fn happened(reader: &Reader, keys: &Keys, step: &ComparedStep) -> Happened {
     }
 }
 
-/// The durations of the states in both runs, the largest difference first.
+/// Returns the durations of the states in both runs, the largest difference first.
 fn timing(readers: [&Reader; 2], keys: &Keys, steps: [&Steps; 2]) -> Vec<Timing> {
     let [one, other] = steps;
     let all: BTreeSet<Key> = one.times.keys().chain(other.times.keys()).copied().collect();

@@ -1,4 +1,4 @@
-//! A run as the entries and ends of its states, by branch. Knows which states ran concurrently, not what they did.
+//! A run as the entries and ends of its states, by branch. Determines which states ran concurrently.
 
 use super::digest::Digests;
 use crate::journal::folder::JournalError;
@@ -9,11 +9,11 @@ use rafcon_protocol::api::TimeTaken;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 
-/// The number of a path, the same in both runs.
+/// Number of a path, equal in both runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Key(usize);
 
-/// The paths that occur.
+/// All paths that occur.
 #[derive(Debug, Default)]
 pub(super) struct Keys {
     paths: Vec<(String, Option<Key>)>,
@@ -40,7 +40,7 @@ impl Keys {
         key
     }
 
-    /// The state at the top of the branch that a state belongs to.
+    /// Returns the state at the top of the branch that a state belongs to.
     fn branch(&self, key: Key, side_by_side: &BTreeSet<Key>) -> Key {
         let mut top = key;
         while let Some(parent) = self.parent(top) {
@@ -60,7 +60,7 @@ pub(super) struct ComparedStep {
     pub(super) t_ns: u64,
     pub(super) key: Key,
     pub(super) did: Did,
-    /// The digest of its values.
+    /// Digest of the step's values.
     pub(super) digest: u64,
 }
 
@@ -74,7 +74,7 @@ pub(super) enum Did {
 #[derive(Debug, Default)]
 pub(super) struct Steps {
     all: Vec<ComparedStep>,
-    /// States with several children active at the same time.
+    /// States with several children active at a time.
     pub(super) side_by_side: BTreeSet<Key>,
     pub(super) times: BTreeMap<Key, TimeTaken>,
 }
@@ -104,7 +104,7 @@ impl Steps {
         failure.map_or(Ok(reading.found), Err)
     }
 
-    /// The steps of each branch.
+    /// Returns the steps of each branch.
     pub(super) fn by_branch(&self, keys: &Keys, side_by_side: &BTreeSet<Key>) -> Branches {
         let mut tops: BTreeMap<Key, Key> = BTreeMap::new();
         let mut branches = Branches::new();
@@ -116,7 +116,7 @@ impl Steps {
     }
 }
 
-/// The steps of both runs on each branch.
+/// Returns the steps of both runs on each branch.
 pub(super) fn both<'s>(
     one: &'s Branches,
     other: &'s Branches,
@@ -191,7 +191,7 @@ impl<'k> Reading<'k> {
         }
     }
 
-    /// Ends a state, and returns its entry time.
+    /// Ends a state and returns its entry time.
     fn end(&mut self, key: Key) -> Option<u64> {
         let (since, _) = self.active.remove(&key)?;
         if let Some((_, children)) = self.keys.parent(key).and_then(|p| self.active.get_mut(&p)) {

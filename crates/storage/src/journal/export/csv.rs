@@ -1,15 +1,15 @@
-//! Events as a table for spreadsheets, by RFC 4180.
+//! Exports events as a table for spreadsheets, in the format of RFC 4180.
 
 use super::{ExportError, utc_at};
 use crate::journal::read::{Found, kind_of, path_of};
 use rafcon_protocol::Event;
 use serde_json::{Value, json};
 
-/// The first row.
+/// Header row of the table.
 pub(super) const HEAD: &str =
     "sequence,time_s,utc,kind,path,names,outcome,duration_s,level,text,values\r\n";
 
-/// The row of an event of a run that began at `started_ms`; the writer ends it with a newline.
+/// Returns the row of an event of a run that began at `started_ms`, without the newline.
 pub(super) fn line(found: &Found, started_ms: u64) -> Result<String, ExportError> {
     let event = &found.event;
     let duration = found.lasted.map(|lasted| format!("{:.6}", lasted.as_secs_f64()));
@@ -61,7 +61,7 @@ fn text(event: &Event) -> String {
     }
 }
 
-/// The values that an event is about, by name.
+/// Returns the values that an event is about, by name.
 pub(super) fn values(event: &Event) -> Value {
     match event {
         Event::Entered { inputs: Some(values), .. } if !values.is_empty() => json!(values),
@@ -78,7 +78,7 @@ pub(super) fn values(event: &Event) -> Value {
     }
 }
 
-/// Prevents spreadsheets from running a text: puts a quote before the beginning of a formula.
+/// Prevents spreadsheets from evaluating a text: puts a quote in front of a formula.
 fn guarded(text: &str) -> String {
     let quote = if text.starts_with(['=', '+', '-', '@', '\t', '\r']) { "'" } else { "" };
     format!("{quote}{text}")

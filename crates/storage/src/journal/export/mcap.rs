@@ -1,4 +1,4 @@
-//! A run as an MCAP recording: the topics `/events`, `/log`, `/states` and `/values`, each message in JSON.
+//! Exports a run as an MCAP recording: the topics `/events`, `/log`, `/states` and `/values`, each message in JSON.
 
 use super::states::States;
 use super::{ExportError, csv, schemas};
@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-/// A recording for Foxglove and Lichtblick.
+/// Writes a recording for Foxglove and Lichtblick.
 pub fn export_mcap(reader: &mut Reader, out: impl Write + Seek) -> Result<(), ExportError> {
     write(reader, out, true)
 }
 
-/// Writes a recording without seeking: its readers have to find the index themselves.
+/// Writes a recording without seeking. Its readers have to find the index themselves.
 pub fn export_mcap_forwards(reader: &mut Reader, out: impl Write) -> Result<(), ExportError> {
     write(reader, NoSeek::new(out), false)
 }
@@ -148,7 +148,7 @@ impl<W: Write + Seek> Recording<W> {
     }
 }
 
-/// A number for plots, which are less exact than the value.
+/// Returns a number for plots, which need less precision than the value has.
 fn number_in(value: &Value) -> Option<f64> {
     let tagged = || value.get("__int__").or_else(|| value.get("__float__"));
     value.as_f64().or_else(|| tagged()?.as_str()?.parse().ok())

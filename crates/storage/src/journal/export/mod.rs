@@ -1,6 +1,6 @@
 //! Exports a run to formats of other programs, event by event, without holding the run in memory.
 //!
-//! Knows events and formats. Does not know where the bytes go.
+//! Handles events and formats, not the destination of the bytes.
 
 mod csv;
 mod mcap;
@@ -17,10 +17,10 @@ use rafcon_protocol::calendar::Date;
 use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 
-/// The size of the write buffer, in bytes.
+/// Size of the write buffer, in bytes.
 const WRITTEN_AT_ONCE: usize = 64 * 1024;
 
-/// Why an export failed.
+/// Reason why an export failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// The run cannot be read.
@@ -72,13 +72,13 @@ fn lines(
     Ok(out.flush()?)
 }
 
-/// A time in ms since 1970 in ISO 8601: `2026-01-31T12:00:00.000Z`.
+/// Formats a time in ms since 1970 in ISO 8601: `2026-01-31T12:00:00.000Z`.
 fn utc_at(ms: u64) -> String {
     let date = Date::since_1970(ms / 1000).to_string();
     format!("{}.{:03}Z", date.replace(' ', "T"), ms % 1000)
 }
 
-/// The line of an event of a run that began at `started_ms`.
+/// Returns the line of an event of a run that began at `started_ms`.
 fn json_line(found: &Found, started_ms: u64) -> Result<String, ExportError> {
     Ok(serde_json::to_string(&Line {
         sequence: found.sequence,
@@ -97,10 +97,10 @@ struct Line<'f> {
     t_ns: u64,
     utc: String,
     names: &'f str,
-    /// The name of the state before which the run is held.
+    /// Name of the next state, before which the run is held.
     #[serde(skip_serializing_if = "Option::is_none")]
     next: Option<&'f str>,
-    /// The duration of a state that ended.
+    /// Duration of a state that ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     lasted_ns: Option<u64>,
     event: &'f Event,

@@ -1,4 +1,4 @@
-//! The JSON Schemas of the messages of a recording. The log has the schema that Foxglove and Lichtblick know.
+//! JSON Schemas of the messages of a recording. The log has a schema that Foxglove and Lichtblick support.
 
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ fn object(title: &str, properties: &Value) -> Value {
     json!({ "title": title, "type": "object", "properties": properties })
 }
 
-/// An event as in `docs/protocol.md`.
+/// Schema of an event as in `docs/protocol.md`.
 pub(super) fn events() -> Value {
     object(
         "rafcon.Event",
@@ -35,7 +35,7 @@ pub(super) fn events() -> Value {
     )
 }
 
-/// The entry or end of a state, and the innermost active states after it.
+/// Schema of the entry or end of a state, and the innermost active states after it.
 pub(super) fn states() -> Value {
     object(
         "rafcon.States",
@@ -50,7 +50,7 @@ pub(super) fn states() -> Value {
     )
 }
 
-/// A value that was given or set.
+/// Schema of a value that was given or set.
 pub(super) fn values() -> Value {
     object(
         "rafcon.Value",
@@ -65,7 +65,7 @@ pub(super) fn values() -> Value {
     )
 }
 
-/// `foxglove.Log`.
+/// Schema of a log line: `foxglove.Log`.
 pub(super) fn log() -> Value {
     let levels = ["UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL"];
     let level = |(number, title): (i32, &str)| json!({ "title": title, "const": number });

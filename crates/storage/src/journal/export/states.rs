@@ -1,8 +1,8 @@
-//! The active states while a run is read. Knows paths and names.
+//! Active states while a run is read, with their paths and names.
 
 use std::collections::BTreeMap;
 
-/// The active states by path.
+/// Active states by path.
 #[derive(Debug, Default)]
 pub(super) struct States {
     active: BTreeMap<String, ExportedState>,
@@ -15,7 +15,7 @@ struct ExportedState {
 }
 
 impl States {
-    /// Adds a state.
+    /// Adds a state that was entered.
     pub(super) fn entered(&mut self, path: &str, names: &str) {
         let new = ExportedState { names: names.to_owned(), children: 0 };
         if self.active.insert(path.to_owned(), new).is_none()
@@ -25,7 +25,7 @@ impl States {
         }
     }
 
-    /// Removes a state.
+    /// Removes a state that was left.
     pub(super) fn left(&mut self, path: &str) {
         if self.active.remove(path).is_some()
             && let Some(around) = self.around(path)
@@ -34,7 +34,7 @@ impl States {
         }
     }
 
-    /// The names of the innermost active states.
+    /// Returns the names of the innermost active states.
     pub(super) fn innermost(&self) -> Vec<&str> {
         let innermost = self.active.values().filter(|state| state.children == 0);
         innermost.map(|state| state.names.as_str()).collect()

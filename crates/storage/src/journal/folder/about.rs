@@ -10,64 +10,64 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The newest known version of `run.json`.
+/// Newest supported version of `run.json`.
 const VERSION: u32 = 2;
-/// The version without a checksum.
+/// Version without a checksum.
 const UNCHECKED: u64 = 1;
-/// The name of the checksum.
+/// Name of the checksum.
 const SUM: &str = "sum";
 
-/// The description of a run: how it was started.
+/// Description of a run and of its start.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct About {
     /// Version of this description.
     #[serde(default)]
     pub version: u32,
-    /// The name of the run's folder.
+    /// Name of the run's folder.
     pub id: String,
-    /// The root state's name.
+    /// Name of the root state.
     pub name: String,
-    /// The folder of the machine.
+    /// Folder of the machine.
     pub machine: PathBuf,
-    /// When it began: ms since 1970, UTC. Times of events count from here.
+    /// Start time: ms since 1970, UTC. Times of events count from here.
     pub started_ms: u64,
-    /// How much the journal keeps.
+    /// Amount of the run that the journal records.
     #[serde(default)]
     pub keeping: Keeping,
-    /// Whether an event is on disk before the script that follows it runs.
+    /// True if each event is on disk before the script that follows it runs.
     #[serde(default)]
     pub strict: bool,
-    /// The number of states of the machine.
+    /// Number of states in the machine.
     #[serde(default)]
     pub states: u64,
-    /// The program that started it, with its version.
+    /// Program that started the run, with its version.
     #[serde(default)]
     pub program: String,
-    /// The policy for interrupted scripts after a crash, if one was chosen.
+    /// Policy for interrupted scripts after a crash, if one was chosen.
     #[serde(default)]
     pub on_crash: Option<OnCrash>,
-    /// The given library roots: name and folder.
+    /// Library roots given at the start: name and folder.
     #[serde(default)]
     pub libraries: Vec<(String, PathBuf)>,
-    /// The given config.
+    /// Config given at the start.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// The size of the journal beyond which old detail is dropped, if one was chosen.
+    /// Size of the journal above which old detail is deleted, if one was chosen.
     #[serde(default)]
     pub size_max: Option<u64>,
-    /// The folders from which files may be loaded; `None` means anywhere.
+    /// Folders from which files may be loaded. `None` for no restriction.
     #[serde(default)]
     pub homes: Option<Vec<PathBuf>>,
-    /// The robot that runs it, if this is a replica. No runner may resume it here.
+    /// Robot that executes the run, if this is a replica. No runner may resume it here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// How to enter its first state, for a run that died before it did.
+    /// Settings for entering the first state, for a run that died before that.
     #[serde(default)]
     pub beginning: Beginning,
 }
 
 impl About {
-    /// Writes it into the run's folder, atomically.
+    /// Writes the description into the run's folder, atomically.
     pub fn write(&self, folder: &Path) -> Result<(), JournalError> {
         let path = folder.join(ABOUT_FILE);
         let failed = |error: serde_json::Error| JournalError::io(&path, Doing::Write, error.into());
@@ -79,7 +79,7 @@ impl About {
         replace_file(&path, &bytes)
     }
 
-    /// Reads it from the run's folder.
+    /// Reads the description from the run's folder.
     pub fn read(folder: &Path) -> Result<Self, JournalError> {
         serde_json::from_value(Self::json(folder)?).map_err(|error| JournalError::Damaged {
             path: folder.join(ABOUT_FILE),
@@ -87,7 +87,7 @@ impl About {
         })
     }
 
-    /// Reads it as JSON, in which members may be missing.
+    /// Reads the description as JSON, which may lack members.
     pub fn json(folder: &Path) -> Result<Value, JournalError> {
         let path = folder.join(ABOUT_FILE);
         let bytes = fs::read(&path).map_err(|source| match source.kind() {
@@ -112,7 +112,7 @@ impl About {
     }
 }
 
-/// The checksum of all members but itself, in the order of their names.
+/// Returns the checksum of all members but itself, in the order of their names.
 fn sum(json: &Value) -> String {
     let members = json.as_object().into_iter().flatten().filter(|(name, _)| *name != SUM);
     let members: BTreeMap<&String, &Value> = members.collect();

@@ -1,48 +1,48 @@
-//! The hash that names the bytes of a value. Does not know what the bytes mean, nor who keeps them.
+//! Hash that names the bytes of a value, whatever they mean and wherever they are stored.
 
 use super::VALUES_FOLDER;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// The BLAKE3 hash of a value's bytes.
+/// BLAKE3 hash of a value's bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ContentHash([u8; 32]);
 
 impl ContentHash {
-    /// The hash with this name; nothing if it is none, and so not the name of a value's file either.
+    /// Parses a name. `None` if it is not a hash in lower case, and so not the name of a value's file.
     pub fn from_name(name: &str) -> Option<Self> {
         let is_lower = name.bytes().all(|byte| !byte.is_ascii_uppercase());
         let hash = blake3::Hash::from_hex(name).ok().filter(|_| is_lower)?;
         Some(Self(*hash.as_bytes()))
     }
 
-    /// The hash of these bytes.
+    /// Computes the hash of these bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Self(*blake3::hash(bytes).as_bytes())
     }
 
-    /// The hash of all that this reads.
+    /// Computes the hash of everything that the reader yields.
     pub(in crate::journal) fn of_reader(reader: impl io::Read) -> io::Result<Self> {
         Ok(Self(*blake3::Hasher::new().update_reader(reader)?.finalize().as_bytes()))
     }
 
-    /// Its bytes.
+    /// Returns the 32 bytes of the hash.
     pub fn as_bytes(&self) -> &[u8; 32] {
         &self.0
     }
 
-    /// Its name: hex, in lower case.
+    /// Returns the name of the hash: hex in lower case.
     pub fn name(&self) -> String {
         blake3::Hash::from_bytes(self.0).to_hex().to_string()
     }
 
-    /// The value's file in the folder of a run.
+    /// Returns the value's file in the folder of a run.
     pub(in crate::journal) fn file_in(&self, run: &Path) -> PathBuf {
         run.join(VALUES_FOLDER).join(self.name())
     }
 }
 
-/// Whether the file of a value of this size is in the folder of a run.
+/// Returns true if the folder of a run contains the file of a value of this size.
 pub fn is_content_here(run: &Path, hash: &str, size: u64) -> bool {
     let hash = ContentHash::from_name(hash);
     hash.is_some_and(|hash| fs::metadata(hash.file_in(run)).is_ok_and(|file| file.len() == size))

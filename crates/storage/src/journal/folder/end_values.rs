@@ -1,4 +1,4 @@
-//! The values at the end of a run, in a file of their own if they are long. The event of the end then has views of them.
+//! Final values of a run, in a separate file if they are long. The `finished` event then contains views of them.
 
 use super::error::{Doing, JournalError};
 use super::replace_file;
@@ -8,29 +8,29 @@ use std::fs::{self, File};
 use std::io::{self, BufReader};
 use std::path::Path;
 
-/// The file, in the folder of the run.
+/// Name of the file in the folder of the run.
 pub const END_VALUES_FILE: &str = "end-values.json";
 
-/// The values at the end of a run, as `docs/protocol.md` encodes them.
+/// Final values of a run, encoded as in `docs/protocol.md`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct EndValues {
-    /// The root's outputs by port name.
+    /// Outputs of the root, by port name.
     pub outputs: Map<String, Value>,
-    /// Global variables at the end, by name.
+    /// Final global variables, by name.
     pub globals: Map<String, Value>,
-    /// The root's scoped variables by name.
+    /// Scoped variables of the root, by name.
     pub scoped_variables: Map<String, Value>,
 }
 
 impl EndValues {
-    /// Writes them into the folder of a run, atomically.
+    /// Writes the values into the folder of a run, atomically.
     pub fn write(&self, run: &Path) -> Result<(), JournalError> {
         let path = run.join(END_VALUES_FILE);
         let failed = |error: serde_json::Error| JournalError::io(&path, Doing::Write, error.into());
         replace_file(&path, &serde_json::to_vec(self).map_err(failed)?)
     }
 
-    /// Removes the file: the run goes on, and its values change.
+    /// Removes the file, because the run continues and its values change.
     pub fn remove(run: &Path) -> Result<(), JournalError> {
         let path = run.join(END_VALUES_FILE);
         match fs::remove_file(&path) {
@@ -41,7 +41,7 @@ impl EndValues {
         }
     }
 
-    /// Reads them from the folder of a run; `None` if the event of its end has them all.
+    /// Reads the values from the folder of a run. `None` if the `finished` event has them all.
     pub fn read(run: &Path) -> Result<Option<Self>, JournalError> {
         let path = run.join(END_VALUES_FILE);
         let failed = |source| JournalError::io(&path, Doing::Read, source);

@@ -1,23 +1,23 @@
-//! The errors of a journal, with texts for people that say how to mend them.
+//! Errors of a journal. Their texts contain the remedy.
 
 use super::LOCK_FILE;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The operation that failed.
+/// Operation that failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doing {
-    /// Making a folder.
+    /// Creation of a folder.
     Make,
-    /// Opening or reading a file.
+    /// Opening or reading of a file.
     Read,
-    /// Writing a file.
+    /// Writing of a file.
     Write,
-    /// Making a file or folder safe from a power cut.
+    /// Sync of a file or folder to disk.
     Sync,
-    /// Locking the run.
+    /// Locking of the run.
     Lock,
-    /// Deleting a file or folder.
+    /// Deletion of a file or folder.
     Remove,
 }
 
@@ -34,101 +34,101 @@ impl std::fmt::Display for Doing {
     }
 }
 
-/// Why a journal cannot be opened, read or written. Nothing that was safe before is lost.
+/// Reason why a journal cannot be opened, read or written. Events that were safe before remain safe.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// Another process writes it.
+    /// Another process is writing the journal.
     #[error("the run in {} is still going on (process {process}): join it with `rafcon attach`, or end it first", folder.display())]
     Going {
-        /// The run's folder.
+        /// Folder of the run.
         folder: PathBuf,
-        /// The process that has it.
+        /// Id of that process.
         process: u32,
     },
-    /// There is a journal already.
+    /// The folder already contains a journal.
     #[error("there is a run in {} already: resume it with `rafcon resume`, or use another folder", folder.display())]
     Exists {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// The folder holds no run.
+    /// The folder contains no run.
     #[error("there is no run in {}: it has no {file}; `rafcon runs` lists all runs", folder.display())]
     NoRun {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// The missing file.
+        /// Name of the missing file.
         file: &'static str,
     },
-    /// A newer version wrote it.
+    /// The file was written by a newer version.
     #[error("{} is of version {found}, this rafcon reads up to {known}: use the rafcon that wrote it, or a newer one", path.display())]
     Newer {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its version.
+        /// Version of the file.
         found: u32,
-        /// The newest known version.
+        /// Newest supported version of the file.
         known: u32,
     },
-    /// No space left.
+    /// The disk is full.
     #[error("the disk with {} is full: make room (for example with `rafcon runs --prune`)", path.display())]
     DiskFull {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The error of the system.
+        /// Error reported by the system.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The folder or its disk may not be written to.
+    /// The folder or its disk is read-only.
     #[error("{} cannot be written: it or its disk is read-only; make it writable, or choose another folder with --runs", path.display())]
     ReadOnly {
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The error of the system.
+        /// Error reported by the system.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The disk refused something else.
+    /// Another disk operation failed.
     #[error("cannot {doing} {}: check the disk and the permissions", path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The operation.
+        /// Operation that failed.
         doing: Doing,
-        /// The error of the system.
+        /// Error reported by the system.
         source: io::Error,
     },
-    /// The database refused something else.
+    /// Another database operation failed.
     #[error("the database {} fails: check that its disk has room and is well, and that no other program holds it", path.display())]
     Database {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The error of `SQLite`.
+        /// Error reported by `SQLite`.
         source: rusqlite::Error,
     },
-    /// The journal has dropped the requested events to stay within its size.
+    /// The requested events were deleted to limit the size of the journal.
     #[error("{} has dropped its oldest events to stay within its size: ask for a later one, or give runs more room with --keep-max", path.display())]
     GivenUp {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The run has no such machine.
+    /// The run has no machine with this hash.
     #[error("{} has no machine {hash}: the events `root` of the run say which it has", path.display())]
     NoMachine {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The machine's hash.
+        /// Hash of the machine.
         hash: String,
     },
     /// The file is damaged.
     #[error("{} is damaged: {what}; `rafcon history` shows what can still be read", path.display())]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The damage.
+        /// Description of the damage.
         what: String,
     },
 }
 
 impl JournalError {
-    /// From an error of the system about a file.
+    /// Converts an error of the system about a file.
     pub(in crate::journal) fn io(path: &Path, doing: Doing, source: io::Error) -> Self {
         let path = path.to_owned();
         match source.kind() {
@@ -144,7 +144,7 @@ impl JournalError {
         }
     }
 
-    /// From an error of `SQLite`.
+    /// Converts an error of `SQLite`.
     pub(in crate::journal) fn database(path: &Path, source: rusqlite::Error) -> Self {
         use rusqlite::ErrorCode;
         let path = path.to_owned();
@@ -156,7 +156,7 @@ impl JournalError {
             Some(ErrorCode::NotADatabase | ErrorCode::DatabaseCorrupt) => {
                 Self::Damaged { path, what: source.to_string() }
             }
-            // A table or column is missing or holds an impossible value.
+            // A table or column is missing or contains an impossible value.
             Some(ErrorCode::Unknown) | None => Self::Damaged { path, what: source.to_string() },
             _ => Self::Database { path, source },
         }
@@ -167,10 +167,10 @@ impl JournalError {
     }
 }
 
-/// Why a batch was not appended. The caller still has it; nothing of it was stored.
+/// Reason why a batch was not appended. Nothing of it was stored, and the caller still has it.
 #[derive(Debug, thiserror::Error)]
 pub enum Full {
-    /// The recorder has no room before the next commit.
+    /// The recorder is full until the next commit.
     #[error("the recorder is full until the next commit")]
     Recorder,
     /// The batch is too large for the recorder, and writing it to a separate file failed. A commit does not help.

@@ -1,5 +1,5 @@
-//! One writer for each run, and whether a run is active: a lock on the file `lock`, which contains the number of the process
-//! that holds it.
+//! A lock on the file `lock`: it admits one writer per run and shows that a run is active. The file contains the id of the process
+//! that holds the lock.
 //!
 //! It is a lock of the open file, not of the process: a script may open, read and close `lock`, as it does when it copies the
 //! folder of its run. Checking the lock does not disturb its holder. A forked child closes its copy of the open file
@@ -20,16 +20,17 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-/// The number of a process takes this many bytes in the file, written at once.
+/// Length of the process id in the file. It is written at once.
 const NUMBER_BYTES: usize = 11;
-/// The number of the process is written after the file is locked: how often and how long a reader waits for it.
+/// Number and interval of a reader's attempts: the process id is written after the file is locked.
 const LOOKS: usize = 50;
 const PAUSE: Duration = Duration::from_millis(1);
 
-/// The descriptors of all locks of this process.
+/// File descriptors of all locks of this process.
 static OPEN: Mutex<BTreeSet<RawFd>> = Mutex::new(BTreeSet::new());
 
-/// The descriptors of all locks of this process. A forked copy closes them first of all: a run ends with its runner. Never waits.
+/// Returns the file descriptors of all locks of this process. A forked child closes them first, so that a run ends with its runner.
+/// Never waits.
 pub fn locks() -> Vec<RawFd> {
     OPEN.try_lock().map(|open| open.iter().copied().collect()).unwrap_or_default()
 }
@@ -41,7 +42,7 @@ pub(in crate::journal) struct RunLock {
 }
 
 impl RunLock {
-    /// Locks the run in `folder`; the error names the process that holds the lock.
+    /// Locks the run in `folder`. The error names the process that holds the lock.
     pub(in crate::journal) fn take(folder: &Path) -> Result<Self, JournalError> {
         let failed = |source| JournalError::lock(folder, source);
         let mut options = OpenOptions::new();
@@ -68,7 +69,7 @@ impl Drop for RunLock {
     }
 }
 
-/// The process that writes the run in `folder`, if one does.
+/// Returns the process that writes the run in `folder`, if there is one.
 pub fn writer_of(folder: &Path) -> Result<Option<u32>, JournalError> {
     let failed = |source| JournalError::lock(folder, source);
     match File::open(folder.join(LOCK_FILE)) {
@@ -78,7 +79,7 @@ pub fn writer_of(folder: &Path) -> Result<Option<u32>, JournalError> {
     }
 }
 
-/// The process that holds the lock; a dead one too, while a child of it keeps the file open.
+/// Returns the process that holds the lock. It may be dead if one of its children keeps the file open.
 fn holder(file: &File) -> io::Result<Option<u32>> {
     let mut number = None;
     for look in 0..LOOKS {
@@ -115,7 +116,7 @@ fn is_alive(process: u32) -> bool {
     !matches!(rustix::process::test_kill_process(pid), Err(rustix::io::Errno::SRCH))
 }
 
-/// The bytes that are locked and checked.
+/// Returns the range of bytes that is locked and checked.
 fn whole_file() -> flock {
     #[expect(clippy::cast_possible_truncation, reason = "both are small constants of the system")]
     let (l_type, l_whence) = (F_WRLCK as i16, SEEK_SET as i16);

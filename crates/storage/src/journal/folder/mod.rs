@@ -1,4 +1,4 @@
-//! The files in the folder of a run, and how the folder is created. Knows names, but not what the files contain.
+//! Files in the folder of a run, and the creation of that folder. Defines names, not the content of the files.
 
 mod about;
 mod content_hash;
@@ -26,21 +26,21 @@ use std::io;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 
-/// The description of the run: [`crate::journal::About`] as JSON.
+/// Description of the run: [`crate::journal::About`] as JSON.
 pub const ABOUT_FILE: &str = "run.json";
-/// The events that are safe from a power cut: `SQLite`.
+/// `SQLite` database of the events that survive a power cut.
 pub const DATABASE_FILE: &str = "journal.db";
-/// The newest events: a mapped file in front of the database.
+/// Newest events: a mapped file in front of the database.
 pub const RECORDER_FILE: &str = "recorder";
 /// Large values, one file each, named by their BLAKE3 hash in hex.
 pub const VALUES_FOLDER: &str = "values";
 /// Groups of events that are too large for the recorder, until they are in the database.
 pub const SPILL_FOLDER: &str = "spill";
-/// Locked by the process that writes.
+/// File that the writing process locks.
 pub const LOCK_FILE: &str = "lock";
-/// The socket of an active run.
+/// Socket of an active run.
 pub const SOCKET_FILE: &str = "socket";
-/// Of a replica that has another history than the run at its robot: why, and the way out, as text.
+/// Reason as text, in a replica whose history differs from the robot's run.
 pub const DIVERGED_FILE: &str = "diverged";
 /// An empty file in a replica whose run crashed on the robot, or was deleted there before its end.
 pub const CRASHED_FILE: &str = "crashed";
@@ -59,14 +59,14 @@ pub fn make_folder(folder: &Path) -> Result<(), JournalError> {
     }
 }
 
-/// The id of a run: its start (UTC), the name of its machine, and four digits that distinguish runs of the same second.
+/// Returns the id of a run: its start (UTC), the name of its machine, and four digits that distinguish runs of one second.
 pub fn run_id(started_ms: u64, name: &str, salt: u16) -> String {
     let Date { year, month, day, hour, minute, second } = Date::since_1970(started_ms / 1000);
     let name = slug(name);
     format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}-{name}-{salt:04x}")
 }
 
-/// Lower case letters and digits, with single hyphens between.
+/// Reduces a text to lower case letters and digits, separated by single hyphens.
 fn slug(name: &str) -> String {
     const LONGEST: usize = 40;
     let lower = name.to_lowercase();
@@ -102,7 +102,7 @@ pub(in crate::journal) fn create_file(path: &Path) -> io::Result<File> {
     OpenOptions::new().read(true).write(true).create(true).truncate(true).mode(0o600).open(path)
 }
 
-/// The temporary name of a file.
+/// Returns the temporary name of a file.
 pub(in crate::journal) fn fresh_name(path: &Path) -> PathBuf {
     path.with_extension("new")
 }

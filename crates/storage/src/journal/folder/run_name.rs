@@ -1,36 +1,36 @@
-//! Valid ids of runs. An id may come from another computer. It must stay inside the folder of all runs, and look like itself in lists,
-//! command lines and the page.
+//! Valid ids of runs. An id may come from another computer. It must stay inside the folder of all runs, and be displayed unaltered
+//! in lists, command lines and the page.
 
-/// The maximum length of an id in bytes.
+/// Maximum length of an id in bytes.
 pub const RUN_ID_MAX: usize = 128;
-/// The end of the name of a folder that is being deleted.
+/// Suffix of a folder that is being deleted.
 pub(in crate::journal) const GONE: &str = ".gone";
-/// The word that means the newest run.
+/// Reserved word for the newest run.
 const LAST: &str = "last";
 
-/// A text that is not the id of a run.
+/// Reason why a text is not a valid id of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum BadRunId {
-    /// It is empty.
+    /// The text is empty.
     #[error("the id of a run is empty")]
     Empty,
-    /// It is too long for the name of a folder.
+    /// The text is too long for the name of a folder.
     #[error("the id of a run has {0} bytes, and at most {RUN_ID_MAX} are allowed")]
     Long(usize),
-    /// It is no plain name.
+    /// The text is not a plain file name.
     #[error("the id of a run begins with `-` or `.`, or has a `/`")]
     Path,
-    /// It has characters that cannot be seen, or that change how a line reads.
+    /// The text has invisible characters, or characters that change how a line is displayed.
     #[error("the id of a run has control characters or marks of writing direction")]
     Invisible,
-    /// It means something else.
+    /// The text is a reserved word.
     #[error("the id of a run is `{LAST}` or ends with `{GONE}`, which mean something else")]
     Reserved,
 }
 
-/// Checks the id of a run, wherever it comes from.
+/// Checks the id of a run from any source.
 pub fn check_run_id(id: &str) -> Result<(), BadRunId> {
-    // Marks of direction, joiners and other format characters of Unicode.
+    // Direction marks, joiners and other format characters of Unicode.
     let is_format = |letter: char| {
         matches!(letter,
             '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'

@@ -1,4 +1,4 @@
-//! The socket in a folder at which others join.
+//! Socket in the folder of a run, for programs that join it.
 
 use super::SOCKET_FILE;
 use std::fs::{self, File, Permissions};
@@ -8,7 +8,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
 
-/// Listens at the socket in this folder, for this user only. A socket that an earlier program left there is removed.
+/// Binds the socket in this folder, for this user only. Removes a socket left by an earlier program.
 pub fn bind_socket(folder: &Path) -> io::Result<UnixListener> {
     let path = folder.join(SOCKET_FILE);
     match fs::remove_file(&path) {
@@ -20,7 +20,7 @@ pub fn bind_socket(folder: &Path) -> io::Result<UnixListener> {
     Ok(listener)
 }
 
-/// Binds through the folder's descriptor: the name of a socket holds about a hundred bytes.
+/// Binds through the folder's descriptor, because the path of a socket is limited to about a hundred bytes.
 #[cfg(target_os = "linux")]
 fn bind(folder: &Path, _path: &Path) -> io::Result<UnixListener> {
     let folder = File::open(folder)?;

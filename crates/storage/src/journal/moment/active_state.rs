@@ -1,6 +1,6 @@
-//! A moment for readers: active states with their data by port, ready to be shown or restored.
+//! A moment for readers: active states with their data by port, ready to be displayed or restored.
 //!
-//! Knows names of places. Does not know how steps are kept.
+//! Uses the names of places. Does not depend on the storage of steps.
 
 use super::inside::End;
 use super::{Active, Moment, Whole};
@@ -9,116 +9,117 @@ use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// One active state. Orders are numbers of records: of two values for one target, the value with the higher order is newer.
+/// An active state at a moment. Orders are numbers of records: of two values for one target, the value with the higher order is
+/// newer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ActiveStateData {
-    /// Its place.
+    /// Place of the state.
     pub place: Arc<Place>,
-    /// Index of its parent in the same list; `None` for the root.
+    /// Index of the parent in this list. `None` for the root.
     pub parent: Option<usize>,
-    /// The number of the record of its entry.
+    /// Number of the record of its entry.
     pub order: u64,
-    /// When it was entered, in ns since the start of the run.
+    /// Entry time, in ns since the start of the run.
     pub since_ns: u64,
-    /// Whether a command or a deadline preempted it or a container of it. Races and a stop do not count.
+    /// True if a command or a deadline preempted it or one of its containers. Races and a stop do not count.
     pub asked: bool,
-    /// Its inputs by port id. Empty if values were not kept.
+    /// Inputs by port id. Empty if values were not recorded.
     pub inputs: Vec<(u64, Kept)>,
-    /// Whether it has inputs that were not kept.
+    /// True if it has inputs that were not recorded.
     pub lacks_inputs: bool,
-    /// The scoped variables of a container.
+    /// Scoped variables of a container.
     pub scoped: Vec<ScopedValue>,
-    /// The last end of each child, in the order of the ends.
+    /// Last end of each child, sorted by time.
     pub ended: Vec<ChildEnd>,
-    /// The child that ended last.
+    /// Child that ended last.
     pub last: Option<SmolStr>,
 }
 
-/// A scoped variable.
+/// A scoped variable at a moment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScopedValue {
-    /// Its id.
+    /// Id of the variable.
     pub port: u64,
-    /// Its value.
+    /// Value of the variable.
     pub value: Kept,
-    /// The number of the record.
+    /// Number of the record that set it.
     pub order: u64,
 }
 
-/// How a child ended.
+/// The end of a child.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChildEnd {
-    /// The place of the child.
+    /// Place of the child.
     pub place: Arc<Place>,
-    /// Its outcome.
+    /// Outcome of the child.
     pub outcome: i64,
-    /// Its outputs by port id, without those that its script left out.
+    /// Outputs by port id, without those that the script left out.
     pub outputs: Vec<(u64, Kept)>,
-    /// Whether it has outputs that were not kept.
+    /// True if it has outputs that were not recorded.
     pub lacks_outputs: bool,
-    /// Its error, if it left one.
+    /// Error of the child, if it has one.
     pub error: Option<Kept>,
-    /// The number of the record.
+    /// Number of the record of its end.
     pub order: u64,
 }
 
 impl ActiveStateData {
-    /// Its id: the last part of its path.
+    /// Returns the id of the state: the last part of its path.
     pub fn state(&self) -> &str {
         last_of(&self.place.path)
     }
 }
 
 impl ChildEnd {
-    /// Its id: the last part of its path.
+    /// Returns the id of the child: the last part of its path.
     pub fn state(&self) -> &str {
         last_of(&self.place.path)
     }
 }
 
 impl Moment {
-    /// The number of the last record.
+    /// Returns the number of the last record.
     pub fn sequence(&self) -> u64 {
         self.sequence
     }
 
-    /// Its time, in ns since the start of the run.
+    /// Returns the time of the last record, in ns since the start of the run.
     pub fn t_ns(&self) -> u64 {
         self.t_ns
     }
 
-    /// States run so far; library states are not counted.
+    /// Returns the number of states executed, without library states.
     pub fn states_run(&self) -> u64 {
         self.states_run
     }
 
-    /// Entries so far, including undone ones and those that undo others.
+    /// Returns the number of entries, including undone ones and those that undo others.
     pub fn entries(&self) -> u64 {
         self.entries
     }
 
-    /// What the moment says about the whole run.
+    /// Returns the part of the moment that concerns the whole run.
     pub fn whole(&self) -> &Whole {
         &self.whole
     }
 
-    /// The places defined so far.
+    /// Returns the places that are defined at this moment.
     pub fn places(&self) -> &Places {
         &self.places
     }
 
-    /// Global variables by name.
+    /// Returns the global variables by name.
     pub fn globals(&self) -> &BTreeMap<SmolStr, Kept> {
         &self.globals
     }
 
-    /// Persistent values of states.
+    /// Returns the persistent data of states.
     pub fn persistent(&self) -> impl Iterator<Item = (&Arc<Place>, &Kept)> {
         let known = |(place, kept)| Some((self.places.get(place)?, kept));
         self.persistent.iter().map(|(place, kept)| (*place, kept)).filter_map(known)
     }
 
-    /// The active states, each after its parent; siblings in the order of their entries.
+    /// Returns the active states, each after its parent; siblings in the order of their entries.
     pub fn active(&self) -> Vec<ActiveStateData> {
         let mut below: BTreeMap<Option<PlaceNumber>, Vec<(PlaceNumber, &Active)>> = BTreeMap::new();
         for (place, active) in &self.active {
@@ -179,13 +180,13 @@ impl Moment {
     }
 }
 
-/// The kept values, each with its port.
+/// Returns the recorded values, each with its port.
 fn by_port(ports: &[(u64, SmolStr)], values: &[Kept]) -> Vec<(u64, Kept)> {
     let there = ports.iter().zip(values).filter(|(_, value)| **value != Kept::Absent);
     there.map(|((port, _), value)| (*port, value.clone())).collect()
 }
 
-/// Pushes states on a stack, the first entered on top.
+/// Pushes states on a stack, the first entered one on top.
 fn push_sorted<'a>(
     stack: &mut Vec<(Option<usize>, PlaceNumber, &'a Active)>,
     parent: Option<usize>,

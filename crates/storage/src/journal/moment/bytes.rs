@@ -1,7 +1,7 @@
-//! Moments as bytes: the shortest sequence of records that leads there, so that a reader need not begin at the first event.
+//! Encodes moments as the shortest equivalent sequence of records, so that a reader need not start at the first event.
 //!
-//! Layout: version (u8), length of the header (u32, little-endian), header (JSON), items. In the time field, these items
-//! hold the number of the record that they replace, counted from 0 for each. The places are those of the journal.
+//! Layout: version (u8), length of the header (u32, little-endian), header (JSON), items. In the time field, these items contain
+//! the number of the record that they replace, counted from 0 for each. The places are those of the journal.
 
 use super::inside::{End, Inside, Step};
 use super::{Active, Moment, Whole};
@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use std::num::NonZeroU64;
 
 const VERSION: u8 = 1;
-/// The number of ended states that are written; to step back further, read from an earlier moment.
+/// Number of ended states that are encoded. To step back further, read from an earlier moment.
 const STEPS_KEPT: usize = 500;
-/// Replaces the number of any entry: the place identifies the undone step.
+/// Replaces the number of any entry, because the place identifies the undone step.
 const SOME_ENTRY: Option<NonZeroU64> = Some(NonZeroU64::MIN);
 
 /// The bytes are not a moment, or have another version.
@@ -26,9 +26,9 @@ struct Header {
     t_ns: u64,
     entries: u64,
     states_run: u64,
-    /// When each active state was entered, in the order of the entries.
+    /// Entry time of each active state, in the order of the entries.
     since_ns: Vec<u64>,
-    /// The places of preempted states.
+    /// Places of preempted states.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     asked: Vec<u32>,
     /// Places of containers in which a step was just undone.
@@ -37,12 +37,12 @@ struct Header {
 }
 
 impl Moment {
-    /// The moment as bytes, with a limited number of steps for steps back.
+    /// Encodes the moment, with a limited number of steps for steps back.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.to_bytes_with_steps(STEPS_KEPT)
     }
 
-    /// The moment as bytes, with at most so many steps for steps back.
+    /// Encodes the moment, with at most `steps` steps for steps back.
     pub fn to_bytes_with_steps(&self, steps: usize) -> Vec<u8> {
         if self.steps() <= steps {
             return self.all_to_bytes();
@@ -76,7 +76,7 @@ impl Moment {
         items.out
     }
 
-    /// The moment that [`Moment::to_bytes`] made, in a run with these places.
+    /// Decodes the bytes of [`Moment::to_bytes`], in a run with these places.
     pub fn from_bytes(bytes: &[u8], places: Places) -> Result<Self, BadMoment> {
         let (header, items) = split(bytes)?;
         let mut moment = Self::new(places);
@@ -142,7 +142,7 @@ impl Record {
             Self::Left { outputs, error, .. } => outputs.iter().chain(error).for_each(see),
             Self::Scoped { value, .. } | Self::Persistent { value, .. } => see(value),
             Self::Global { value, .. } => value.iter().for_each(see),
-            // A broken moment has none.
+            // A damaged moment has no values.
             Self::WentBack { moment, .. } => drop(values_in(moment, see)),
             Self::Log { .. } | Self::Told(_) => {}
         }
@@ -164,7 +164,7 @@ pub(in crate::journal) fn values_in(
     Ok(())
 }
 
-/// A moment without its values.
+/// Returns an encoded moment without its values.
 pub(in crate::journal) fn without_values(moment: &[u8]) -> Result<Vec<u8>, BadMoment> {
     let (_, rest) = split(moment)?;
     let mut out = moment[..moment.len() - rest.len()].to_vec();
@@ -192,7 +192,7 @@ fn split(bytes: &[u8]) -> Result<(Header, &[u8]), BadMoment> {
     Ok((header, items))
 }
 
-/// Writes the items.
+/// Writer for the items of a moment.
 struct MomentWriter {
     out: Vec<u8>,
 }
@@ -234,7 +234,7 @@ impl MomentWriter {
         for (place, value) in &moment.persistent {
             self.record(0, Record::Persistent { place: *place, value: value.clone() });
         }
-        // The last item: the next entry of the root would consume it.
+        // The last item, because the next entry of the root would consume it.
         if let Some(restored) = &moment.restored {
             self.record(0, Record::WentBack { sequence: 0, moment: restored.clone() });
         }

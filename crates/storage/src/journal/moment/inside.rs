@@ -1,27 +1,27 @@
-//! What happened in one run of a container, as far as later events and steps back depend on it: how its children
-//! ended and which values its scoped variables had, in order.
+//! History of one execution of a container, to the extent that later events and steps back depend on it: ends of children and
+//! values of scoped variables, in order.
 //!
-//! Knows one container. Knows nothing of which states are active.
+//! Handles one container. Does not know which states are active.
 
 use crate::journal::record::{Kept, PlaceNumber};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Ended containers nested deeper than this lose their innermost levels, so that dropping them cannot overflow the stack.
+/// Maximum nesting of ended containers. Deeper levels are dropped, so that freeing them cannot overflow the stack.
 const DEPTH_MAX: usize = 200;
 
-/// The inside of a container: the result of steps that are too old to undo, and the steps since.
+/// Inside of a container: the result of steps that are too old to undo, and the steps since.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Inside {
     scoped: BTreeMap<u64, ValueAt>,
     ended: BTreeMap<PlaceNumber, End>,
     steps: VecDeque<Step>,
-    /// The number of ends here and in the containers that ended here.
+    /// Number of ends here and in the containers that ended here.
     weight: usize,
-    /// The nesting depth of ended containers in it.
+    /// Nesting depth of ended containers in it.
     depth: usize,
-    /// The number of open ends.
+    /// Number of open ends.
     open: usize,
-    /// A step was just undone: the values recorded now are those that the variables already have.
+    /// True if a step was just undone: the values recorded now are those that the variables already have.
     undone: bool,
 }
 
@@ -31,32 +31,32 @@ pub(super) enum Step {
     End(End),
 }
 
-/// The value of a scoped variable.
+/// Value of a scoped variable.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ValueAt {
     pub(super) value: Kept,
     pub(super) order: u64,
 }
 
-/// How a child ended.
+/// The end of a child.
 #[derive(Debug, Clone)]
 pub(super) struct End {
     pub(super) place: PlaceNumber,
-    /// The record of its entry; if it was skipped, the record of its end.
+    /// Record of its entry. For a skipped child, the record of its end.
     pub(super) entered: u64,
     pub(super) inputs: Vec<Kept>,
     pub(super) outcome: i64,
     pub(super) outputs: Vec<Kept>,
     pub(super) error: Option<Kept>,
     pub(super) order: u64,
-    /// Its inside, if it was a container.
+    /// Inside of the child, if it was a container.
     pub(super) inside: Option<Box<Inside>>,
-    /// It was entered backwards and has not been left since.
+    /// True if the child was entered backwards and has not been left since.
     pub(super) is_open: bool,
 }
 
 impl End {
-    /// Whether the state was skipped.
+    /// Returns true if the state was skipped.
     fn is_skipped(&self) -> bool {
         self.entered == self.order
     }
@@ -71,12 +71,12 @@ impl End {
 }
 
 impl Inside {
-    /// Whether a step was just undone.
+    /// Returns true if a step was just undone.
     pub(super) fn is_undone(&self) -> bool {
         self.undone
     }
 
-    /// Notes that a step was just undone.
+    /// Records that a step was just undone.
     pub(super) fn set_undone(&mut self) {
         self.undone = true;
     }
@@ -85,12 +85,12 @@ impl Inside {
         self.steps.is_empty() && self.scoped.is_empty() && self.ended.is_empty()
     }
 
-    /// A state begins or ends: values recorded from here on are new.
+    /// A state starts or ends. Values recorded from here on are new.
     pub(super) fn begin(&mut self) {
         self.undone = false;
     }
 
-    /// Sets a variable. After a step back it may have this value already; then its order stays.
+    /// Sets a variable. After a step back it may already have this value. Its order is then kept.
     pub(super) fn set(&mut self, port: u64, variable: ValueAt) {
         if self.undone && self.scoped().get(&port).is_some_and(|now| now.value == variable.value) {
             return;
@@ -115,7 +115,7 @@ impl Inside {
         }
     }
 
-    /// Enters a child backwards, and returns its last end with its inside.
+    /// Enters a child backwards. Returns its last end with its inside.
     pub(super) fn reopen(&mut self, place: PlaceNumber) -> Option<End> {
         let end = self.steps.iter_mut().rev().find_map(|step| match step {
             Step::End(end) if end.place == place && !end.is_open => Some(end),
@@ -128,7 +128,7 @@ impl Inside {
         Some(End { inside, ..end.clone() })
     }
 
-    /// Leaves a child backwards: restores the state before its entry. Later steps of other branches stay.
+    /// Leaves a child backwards: restores the state before its entry. Later steps of other branches are kept.
     pub(super) fn undo(&mut self, place: PlaceNumber, is_decider: impl Fn(PlaceNumber) -> bool) {
         self.undone = true;
         let Some(index) = self.find_open(place) else { return };
@@ -159,12 +159,12 @@ impl Inside {
         }
     }
 
-    /// The number of ends that can be undone, with those in containers that ended here.
+    /// Returns the number of ends that can be undone, including those in containers that ended here.
     pub(super) fn weight(&self) -> usize {
         self.weight
     }
 
-    /// Makes the oldest step permanent; false if there is none.
+    /// Makes the oldest step permanent. Returns false if there are no steps.
     pub(super) fn settle_oldest(&mut self) -> bool {
         match self.steps.front() {
             None | Some(Step::End(End { is_open: true, .. })) => return false,
@@ -182,7 +182,7 @@ impl Inside {
         true
     }
 
-    /// The current variables by port.
+    /// Returns the current variables by port.
     pub(super) fn scoped(&self) -> BTreeMap<u64, &ValueAt> {
         let mut now: BTreeMap<u64, &ValueAt> = self.scoped.iter().map(|(p, v)| (*p, v)).collect();
         now.extend(self.steps.iter().filter_map(|step| match step {
@@ -192,7 +192,7 @@ impl Inside {
         now
     }
 
-    /// The last end of each child.
+    /// Returns the last end of each child.
     pub(super) fn ended(&self) -> BTreeMap<PlaceNumber, &End> {
         let mut now: BTreeMap<PlaceNumber, &End> =
             self.ended.iter().map(|(place, end)| (*place, end)).collect();
@@ -200,18 +200,18 @@ impl Inside {
         now
     }
 
-    /// The child that ended last.
+    /// Returns the child that ended last.
     pub(super) fn last(&self) -> Option<PlaceNumber> {
         let old = || self.ended.values().max_by_key(|end| end.order);
         self.ends().next_back().or_else(old).map(|end| end.place)
     }
 
-    /// Whether this child was entered backwards and has not been left since.
+    /// Returns true if this child was entered backwards and has not been left since.
     pub(super) fn is_open(&self, place: PlaceNumber) -> bool {
         self.find_open(place).is_some()
     }
 
-    /// All permanent results and steps, the oldest first.
+    /// Returns all permanent results and steps, the oldest first.
     pub(super) fn all(&self) -> Vec<Step> {
         let scoped =
             self.scoped.iter().map(|(port, variable)| Step::Scoped(*port, variable.clone()));
@@ -274,7 +274,7 @@ mod tests {
         End { place, entered, inputs, outcome, outputs, error, order, inside, is_open }
     }
 
-    /// A container in which one ended in which one ended, as many levels.
+    /// Creates containers that ended inside each other, with this number of levels.
     fn nested(levels: u64) -> Inside {
         let mut inside = Inside::default();
         for level in 0..=levels {
@@ -285,7 +285,7 @@ mod tests {
         inside
     }
 
-    /// Number of levels.
+    /// Counts the nested levels.
     fn depth(inside: &Inside) -> usize {
         let inner = inside.ends().next().and_then(|end| end.inside.as_deref());
         inner.map_or(0, |inside| 1 + depth(inside))

@@ -1,6 +1,6 @@
-//! The state of a run after one of its events: active states and their data, variables, questions, held branches.
+//! State of a run after one of its events: active states and their data, variables, questions, held branches.
 //!
-//! Knows what each record changes. Does not know where records come from, nor what a machine would do next.
+//! Defines the effect of each record, not the source of records or the next actions of a machine.
 
 mod active_state;
 mod bytes;
@@ -20,12 +20,12 @@ use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::num::NonZeroU64;
 
-/// The maximum number of ended states kept for steps back, more than any run goes back; beyond it, half are dropped.
+/// Maximum number of ended states stored for steps back, more than any run steps back. If it is exceeded, half of them are dropped.
 const STEPS_MAX: usize = 24_000;
-/// How many entries pass before steps are counted.
+/// Number of entries between two counts of the steps.
 const COUNT_EVERY: u64 = 1024;
 
-/// The state of a run after one of its records. A new one is the moment before the first.
+/// State of a run after one of its records. A new moment is the one before the first record.
 #[derive(Debug, Clone, Default)]
 pub struct Moment {
     places: Places,
@@ -38,28 +38,28 @@ pub struct Moment {
     persistent: BTreeMap<PlaceNumber, Kept>,
     whole: Whole,
     lacks_steps: bool,
-    /// The moment that the next entry of the root restores.
+    /// Moment that the next entry of the root restores.
     restored: Option<Vec<u8>>,
 }
 
 #[derive(Debug, Clone)]
 struct Active {
     inputs: Vec<Kept>,
-    /// The number of the record of its entry.
+    /// Number of the record of its entry.
     order: u64,
     t_ns: u64,
-    /// Whether a command or a deadline preempted it or a container of it.
+    /// True if a command or a deadline preempted it or one of its containers.
     asked: bool,
     inside: Inside,
 }
 
 impl Moment {
-    /// The moment before the first event of a run with these places.
+    /// Creates the moment before the first event of a run with these places.
     pub fn new(places: Places) -> Self {
         Self { places, ..Self::default() }
     }
 
-    /// Takes a definition.
+    /// Applies a definition of a place or value.
     pub fn define(&mut self, definition: &Definition) {
         match definition {
             Definition::Place(number, place) => self.places.define(*number, place.clone()),
@@ -114,7 +114,7 @@ impl Moment {
         }
         self.count_entry();
         self.whole.entered(self.places.path(place));
-        // Only a resumed run enters an active state again: its data stay.
+        // Only a resumed run enters an active state again. The state's data is kept.
         if self.active.contains_key(&place) {
             return;
         }
@@ -164,7 +164,7 @@ impl Moment {
         self.active.values().map(|active| active.inside.weight()).sum()
     }
 
-    /// Drops the oldest steps, the outermost first, until at most `wanted` remain.
+    /// Drops the oldest steps, the outermost first, until the given number remains.
     fn settle(&mut self, wanted: usize) {
         let mut steps = self.steps();
         let mut outermost: Vec<&mut Active> = self.active.values_mut().collect();
@@ -179,8 +179,8 @@ impl Moment {
         }
     }
 
-    /// Restores the active states of the moment that the run was taken back to, and global and persistent variables; those
-    /// that did not exist then stay.
+    /// Restores the active states of the moment to which the run went back, and its global and persistent variables. Variables that
+    /// did not exist then are kept.
     fn begin_restored(&mut self) {
         let Some(bytes) = self.restored.take() else { return };
         if let Ok(earlier) = Self::from_bytes(&bytes, self.places.clone()) {
@@ -191,12 +191,12 @@ impl Moment {
         }
     }
 
-    /// Whether a step back went further than the known steps: an exact result needs an earlier beginning.
+    /// Returns true if a step back exceeded the stored steps. An exact result then needs an earlier start.
     pub fn lacks_steps(&self) -> bool {
         self.lacks_steps
     }
 
-    /// A state is skipped: the branch that was held before it continues.
+    /// Skips a state: the branch that was held before it continues.
     fn skip(&mut self, path: &str, outcome: i64) {
         let Some(place) = self.places.number(path).filter(|place| !self.active.contains_key(place))
         else {
@@ -219,7 +219,7 @@ impl Moment {
         });
     }
 
-    /// A branch is held before a state. If the state was skipped, the skip was undone, or the state comes again.
+    /// Holds a branch before a state. If the state was skipped, the skip was undone, or the state is next again.
     fn stands_before(&mut self, path: &str) {
         if let Some(place) = self.places.number(path)
             && let Some(around) = self.around(place)
@@ -228,12 +228,12 @@ impl Moment {
         }
     }
 
-    /// The active state around this place.
+    /// Returns the active parent of this place.
     fn around(&mut self, place: PlaceNumber) -> Option<&mut Active> {
         self.active.get_mut(&self.places.parent(place)?)
     }
 
-    /// A state was preempted with all active states in it, except those entered at the same time: its handlers.
+    /// Preempts a state and all active states in it, except its handlers, which were entered at that time.
     fn preempt(&mut self, path: &str) {
         let Some(top) = self.places.number(path) else { return };
         let is_below = |place: PlaceNumber, places: &Places| {

@@ -1,52 +1,52 @@
-//! Follows the committed events, to store keyframes of the run now and then, and to know which values
-//! are still in use. Knows records; knows nothing of the database.
+//! Processes committed events to create keyframes of the run at intervals, and to determine which values are still in use. Handles
+//! records, not the database.
 
 use super::Moment;
 use crate::journal::record::frame::{Frame, definitions};
 use crate::journal::record::{Broken, Content, Definition, Item, Items, Kept, Record, ValueNumber};
 use std::collections::BTreeMap;
 
-/// The number of records between two keyframes, if the records are small.
+/// Number of records between two keyframes, if the records are small.
 const RECORDS: u64 = 50_000;
-/// The minimum number of keyframes in a journal of the maximum size.
+/// Minimum number of keyframes in a journal of the maximum size.
 const KEYFRAMES: u64 = 16;
-/// The records between two keyframes are at least this many times as large as a keyframe.
+/// Minimum ratio of the size of the records between two keyframes to the size of a keyframe.
 const PART: usize = 4;
 
-/// A moment that the database keeps.
+/// A moment that the database stores.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::journal) struct Keyframe {
-    /// The number of its last record.
+    /// Number of the moment's last record.
     pub(in crate::journal) sequence: u64,
-    /// The moment.
+    /// The encoded moment.
     pub(in crate::journal) data: Vec<u8>,
-    /// The lowest unused number of a value.
+    /// Lowest unused number of a value.
     pub(in crate::journal) next_value: ValueNumber,
-    /// Values older than the previous keyframe that records used since, each with the last such record.
+    /// Values older than the previous keyframe that later records used, each with the last such record.
     pub(in crate::journal) named: Vec<(ValueNumber, u64)>,
 }
 
-/// The state of the run after the last committed event.
+/// State of the run after the last committed event.
 #[derive(Debug)]
 pub(in crate::journal) struct Tracker {
     moment: Moment,
     pub(in crate::journal) next_value: ValueNumber,
-    /// Its value at the last keyframe.
+    /// `next_value` at the last keyframe.
     floor: ValueNumber,
     named: BTreeMap<ValueNumber, u64>,
-    /// The number of records since the last keyframe, and their bytes.
+    /// Number of records since the last keyframe, and their size in bytes.
     records: u64,
     bytes: usize,
-    /// The bytes including all values.
+    /// Size in bytes including all values.
     weight: u64,
-    /// The maximum weight between two keyframes.
+    /// Maximum weight between two keyframes.
     weight_max: u64,
     keyframe_bytes: usize,
 }
 
 impl Tracker {
-    /// Continues from `moment`; `next_value` is the number after the last value at the last keyframe. The distance of keyframes
-    /// depends on `size_max`, so that a journal of that many bytes has several.
+    /// Continues from `moment`. `next_value` is the number after the last value at the last keyframe. The interval between
+    /// keyframes depends on `size_max`, so that a journal of that size has several.
     pub(in crate::journal) fn new(moment: Moment, next_value: ValueNumber, size_max: u64) -> Self {
         Self {
             moment,
@@ -84,7 +84,7 @@ impl Tracker {
         Ok(())
     }
 
-    /// Takes a definition.
+    /// Applies a definition of a place or value.
     fn define(&mut self, definition: &Definition) {
         if let Definition::Value(number, stored) = definition {
             self.next_value = self.next_value.max(ValueNumber(number.0 + 1));
@@ -95,7 +95,7 @@ impl Tracker {
         self.moment.define(definition);
     }
 
-    /// Notes the values in a record.
+    /// Records the use of the values in a record.
     pub(in crate::journal) fn note(&mut self, sequence: u64, record: &Record) {
         record.values(&mut |value| {
             if let Kept::Value(number) = value
@@ -107,7 +107,7 @@ impl Tracker {
         self.records += 1;
     }
 
-    /// The keyframe that is due, if one is.
+    /// Returns a keyframe if one is due.
     pub(in crate::journal) fn keyframe(&mut self) -> Option<Keyframe> {
         let is_far = self.records >= RECORDS || self.weight >= self.weight_max;
         let is_due = is_far && self.bytes >= PART * self.keyframe_bytes;

@@ -1,6 +1,6 @@
-//! The part of a moment that concerns the whole run: its status, held branches, questions, breakpoints, its end.
+//! The part of a moment that concerns the whole run: status, held branches, questions, breakpoints and end.
 //!
-//! Knows the protocol's events. Knows nothing of data of states.
+//! Applies events of the protocol. Does not handle data of states.
 
 use super::Moment;
 use rafcon_protocol::api::Holding;
@@ -10,58 +10,58 @@ use rafcon_protocol::{
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 
-/// How many of the latest commands are kept with their answers.
+/// Number of recent commands that are stored with their answers.
 pub const ANSWERS_MAX: usize = 1024;
 
-/// What a moment says about the whole run.
+/// Status of the whole run at a moment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Whole {
-    /// Its status.
+    /// Status of the run.
     pub status: RunStatus,
-    /// How it ended, once it has.
+    /// Outcome of the run, if it has ended.
     pub outcome: Option<Outcome>,
-    /// The hash of its machine, if the machine was kept.
+    /// Hash of the run's machine, if the machine was recorded.
     pub root: Option<String>,
-    /// The number of runners so far.
+    /// Number of runners up to this moment.
     pub life: u32,
     /// All breakpoints, by id.
     pub breakpoints: BTreeMap<u64, Breakpoint>,
-    /// How often breakpoints were hit.
+    /// Number of hits by breakpoint id.
     pub hits: BTreeMap<u64, u32>,
     /// Questions without an answer, by id.
     pub questions: BTreeMap<u64, Question>,
-    /// The held branches.
+    /// Branches that are held.
     pub held: Vec<Holding>,
     /// Waiting states by path, with the reason.
     pub waiting: BTreeMap<String, String>,
-    /// The request to stop, if there was one.
+    /// Request to stop, if there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<StopRequest>,
-    /// For how long the ground is silent; none if the run has no ground.
+    /// Silence of the ground. `None` if the run has no ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub silence: Option<GroundSilence>,
-    /// The latest commands by id, with their answers: a runner executes none of them again.
+    /// Recent commands by id, with their answers. No runner executes them again.
     #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
     pub answers: VecDeque<(String, Answer)>,
 }
 
-/// For how long the ground is silent, as policies, breakpoints and questions name it.
+/// Silence of the ground, as measured for policies, breakpoints and questions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GroundSilence {
-    /// Since it was heard, in ms.
+    /// Time since the last contact, in ms.
     pub link_ms: u64,
-    /// Since the last command, in ms.
+    /// Time since the last command, in ms.
     pub command_ms: u64,
 }
 
 /// A request to stop the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StopRequest {
-    /// The number of the record of the last request.
+    /// Number of the record of the last request.
     pub order: u64,
-    /// Whether there was more than one request.
+    /// True if there was more than one request.
     pub twice: bool,
-    /// The runner ended after the request: the next runner records the stop again.
+    /// True if the runner ended after the request. The next runner records the stop again.
     #[serde(default)]
     repeats: bool,
 }
@@ -90,7 +90,7 @@ impl Whole {
         self.lets_go(path);
         if let Some((around, _)) = path.rsplit_once('/') {
             self.waiting.remove(around);
-            // A hierarchy continues with any next state; of several branches, only the named one continues.
+            // A hierarchy continues with any next state. Among several branches, only the named one continues.
             if self.held.iter().filter(|held| held.path == around).count() == 1 {
                 self.held.retain(|held| held.path != around);
             }
@@ -122,12 +122,12 @@ impl Whole {
         self.held.push(holding);
     }
 
-    /// The answer to the command with this id, if it is among the latest.
+    /// Returns the answer to the command with this id, if it is recent.
     pub fn answer(&self, id: &str) -> Option<&Answer> {
         self.answers.iter().rev().find(|(known, _)| known == id).map(|(_, answer)| answer)
     }
 
-    /// A second request counts from its own record on; the repetition of the first after a crash does not count.
+    /// A second request counts from its own record on. A repetition of the first after a crash does not count.
     fn stops(&mut self, order: u64) {
         self.status = RunStatus::Stopping;
         let twice = self.stop.is_some();
@@ -217,7 +217,7 @@ impl Moment {
 }
 
 impl Whole {
-    /// Forgets what belonged to the runner that died; the rest belongs to the run.
+    /// Removes data of the runner that died. The rest belongs to the run.
     fn resumed(&mut self, life: u32) {
         self.life = life;
         self.status = RunStatus::Running;

@@ -1,4 +1,4 @@
-//! Packs that leave one journal for another. Knows tables and bytes, no machines.
+//! Transfer of packs from one journal to another. Handles tables and bytes, not machines.
 
 use super::store::manifest;
 use super::{Hash, Manifest, Pack};
@@ -9,7 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 impl Pack {
-    /// The machines that the run in this folder has kept, in the order in which it did, without the first `known` ones. Each has the
+    /// Returns the machines that the run in this folder has stored, in their order, without the first `known` ones. Each contains
+    /// only files that its predecessors do not have.
     /// files that those before it do not have.
     pub fn read_after(run: &Path, known: usize) -> Result<Vec<Self>, JournalError> {
         let mut database = Database::open_to_read(run)?;
@@ -31,7 +32,7 @@ impl Pack {
         Ok(packs)
     }
 
-    /// The pack as bytes.
+    /// Encodes the pack as bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut writer = BinaryWriter::new(&mut bytes);
@@ -44,7 +45,7 @@ impl Pack {
         bytes
     }
 
-    /// The pack that [`Pack::to_bytes`] wrote.
+    /// Decodes the bytes of [`Pack::to_bytes`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Broken> {
         let mut reader = BinaryReader::new(bytes);
         let files = reader.list(|reader| Ok((reader.text()?.to_owned(), reader.hash()?)))?;

@@ -1,7 +1,7 @@
-//! Machines in a journal: every file of the machine and of its libraries, by the hash of its content, so
-//! that an edited machine takes only the space of the edit.
+//! Machines in a journal. Every file of a machine and of its libraries is stored by the hash of its content, so that an edited
+//! machine takes only the space of the edit.
 //!
-//! Knows machines and bytes. Knows nothing of a run.
+//! Handles machines and bytes, not runs.
 
 mod carry;
 pub(crate) mod packed;
@@ -18,26 +18,26 @@ use crate::journal::record::binary::{BinaryReader, BinaryWriter, Broken};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// The folder of the machine itself.
+/// Name of the machine's own folder in a pack.
 pub(crate) const MACHINE: &str = "machine";
-/// The folder of the libraries; each lies below its library path.
+/// Name of the folder of libraries in a pack. Each library is below its library path.
 const LIBRARIES: &str = "libraries";
 
 /// A machine, ready to be stored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pack {
-    /// All files.
+    /// Paths and hashes of all files.
     pub manifest: Manifest,
-    /// The content of the files that the packer had not packed before.
+    /// Content of the files that the packer had not packed before.
     pub fresh: BTreeMap<Hash, Vec<u8>>,
 }
 
-/// The BLAKE3 hash of some bytes.
+/// BLAKE3 hash of some bytes.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Hash(pub [u8; 32]);
 
 impl Hash {
-    /// The hash of these bytes.
+    /// Computes the hash of these bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Self(*blake3::hash(bytes).as_bytes())
     }
@@ -60,26 +60,26 @@ impl fmt::Debug for Hash {
     }
 }
 
-/// Relative paths (with `/`) and the hash of each file, sorted by path.
+/// Relative path (with `/`) and hash of each file, sorted by path.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Manifest {
     files: Vec<(String, Hash)>,
 }
 
 impl Manifest {
-    /// The manifest of these files, in any order; of two with one path the first counts.
+    /// Creates the manifest of these files, in any order. Of two files with one path, the first counts.
     pub(crate) fn new(mut files: Vec<(String, Hash)>) -> Self {
         files.sort_by(|a, b| a.0.cmp(&b.0));
         files.dedup_by(|later, first| later.0 == first.0);
         Self { files }
     }
 
-    /// The files, sorted by path.
+    /// Returns the files, sorted by path.
     pub fn files(&self) -> &[(String, Hash)] {
         &self.files
     }
 
-    /// The hash of all paths and hashes.
+    /// Computes the hash of all paths and hashes.
     pub fn hash(&self) -> Hash {
         let mut hasher = blake3::Hasher::new();
         for (path, hash) in &self.files {
@@ -90,7 +90,7 @@ impl Manifest {
         Hash(*hasher.finalize().as_bytes())
     }
 
-    /// The difference from `base` as bytes: new and changed files, then removed paths.
+    /// Encodes the difference from `base`: new and changed files, then removed paths.
     fn changes(&self, base: &Self) -> Vec<u8> {
         let (mut changed, mut gone) = (Vec::new(), Vec::new());
         let mut before = base.files.iter().peekable();
@@ -121,7 +121,7 @@ impl Manifest {
         let mut files = changed;
         let stays = |path: &String| gone.binary_search(path).is_err();
         files.extend(self.files.into_iter().filter(|(path, _)| stays(path)));
-        // The changed ones come first, and the sort keeps their order.
+        // The changed files come first, and the sort is stable.
         Ok(Self::new(files))
     }
 }
@@ -133,7 +133,7 @@ impl BinaryReader<'_> {
     }
 }
 
-/// The folder of a library in a pack; `None` if its name leads out of any root.
+/// Returns the folder of a library in a pack. `None` if its name leads out of any root.
 pub(crate) fn library_folder(path: &str, name: &str) -> Option<String> {
     let parts = path.split('/').chain(name.split('/'));
     let is_plain = |part: &str| !part.is_empty() && part != "." && part != "..";

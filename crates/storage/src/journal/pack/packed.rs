@@ -1,4 +1,4 @@
-//! A stored machine in memory: its files by folder. Knows tables and files, no machines.
+//! A stored machine in memory: its files by folder. Handles tables and files, not machines.
 
 use super::store::manifest;
 use super::{Hash, MACHINE, Manifest, library_folder};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// A machine as stored in a run, with the libraries that it uses.
 #[derive(Debug, Default)]
 pub struct Packed {
-    /// By folder: `machine`, or `libraries` and a library path, and the folders of states below.
+    /// Files by folder: `machine`, or `libraries` and a library path, and the folders of states below.
     folders: BTreeMap<String, Folder>,
 }
 
@@ -28,7 +28,7 @@ pub(crate) struct Folder {
 type Bytes = Arc<[u8]>;
 
 impl Packed {
-    /// The folder of the machine itself.
+    /// Name of the machine's own folder.
     pub const MACHINE: &str = MACHINE;
 
     /// Reads the machine with this hash from the run in the folder `run`.
@@ -48,7 +48,7 @@ impl Packed {
         Ok(packed)
     }
 
-    /// The folder of a library; `None` if it is not stored.
+    /// Returns the folder of a library. `None` if it is not stored.
     pub fn library_folder(&self, path: &str, name: &str) -> Option<String> {
         library_folder(path, name).filter(|folder| self.is_machine(folder))
     }
@@ -67,7 +67,7 @@ impl Packed {
         self.folders.get(folder).is_some_and(|folder| folder.header.is_some())
     }
 
-    /// A file about the machine in `folder` as a whole.
+    /// Returns a file about the machine in `folder` as a whole.
     pub(crate) fn of_machine(&self, folder: &str, file: &str) -> Option<&[u8]> {
         let folder = self.folders.get(folder)?;
         match file {
@@ -77,7 +77,7 @@ impl Packed {
         }
     }
 
-    /// The folders of the states of the machine in `machine`, each after its parent, the root first.
+    /// Returns the folders of the states of the machine in `machine`, each after its parent, the root first.
     pub(crate) fn states(&self, machine: &str) -> impl Iterator<Item = (&str, &Folder)> {
         let root = self.folders.get_key_value(machine);
         // `0` is the character after `/`.
@@ -88,7 +88,7 @@ impl Packed {
 }
 
 impl Folder {
-    /// One of the files of a state.
+    /// Returns one of the files of a state.
     pub(crate) fn part(&self, part: Part) -> Option<&[u8]> {
         self.parts[part as usize].as_deref()
     }
@@ -109,7 +109,8 @@ fn no_machine(database: &Database, hash: Hash) -> JournalError {
     JournalError::NoMachine { path: database.path().to_owned(), hash: hash.to_string() }
 }
 
-/// The content of every file in the manifest, by hash; `None` for a missing or changed file. Reads all files with one query:
+/// Returns the content of every file in the manifest, by hash. `None` for a missing or changed file. Reads all files with one
+/// query, because a query for each takes several times as long.
 /// a query for each takes several times as long.
 fn contents(
     database: &mut Database,

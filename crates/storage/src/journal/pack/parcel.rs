@@ -1,28 +1,29 @@
-//! A machine on its way to someone who has some of its files: what is new, and which other parcels have the rest.
+//! A machine to send to a receiver that has some of its files: the new files, and references to the parcels with the others.
 //!
-//! Knows manifests and bytes. Knows nothing of who sends them, or where they are kept.
+//! Handles manifests and bytes, not their transport or storage.
 
 use super::{Hash, Manifest};
 use crate::journal::record::binary::{BinaryReader, BinaryWriter, Broken};
 use std::collections::BTreeMap;
 
-/// A machine as it is sent.
+/// A machine in the form in which it is sent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Parcel {
-    /// The hash of the machine's manifest.
+    /// Hash of the machine's manifest.
     pub machine: Hash,
-    /// The name of the parcel whose manifest the changes are from; that one has its own as a whole.
+    /// Name of the parcel with the base manifest, which is stored there completely.
     pub base: Option<Hash>,
-    /// The names of all parcels of which this one needs something.
+    /// Names of all parcels with files that this one needs.
     pub needs: Vec<Hash>,
-    /// The manifest, as changes of that of the base.
+    /// The manifest, as changes of the base manifest.
     changes: Vec<u8>,
-    /// The content of the files that no other parcel has.
+    /// Content of the files that no other parcel has.
     pub fresh: BTreeMap<Hash, Vec<u8>>,
 }
 
 impl Parcel {
-    /// The parcel of a machine with the files `fresh`; those in `needs` have the others. `base` has a manifest that is nearly the same.
+    /// Creates the parcel of a machine with the files `fresh`. The parcels in `needs` have the others. `base` has a similar
+    /// manifest.
     pub fn new(
         manifest: &Manifest,
         base: Option<(Hash, &Manifest)>,
@@ -39,13 +40,13 @@ impl Parcel {
         Self { machine: manifest.hash(), base, needs, changes, fresh }
     }
 
-    /// The manifest of the machine, from that of the base; nothing if it is not the right one.
+    /// Returns the manifest of the machine, given the base manifest. `None` if the result has another hash.
     pub fn manifest(&self, base: Manifest) -> Option<Manifest> {
         let manifest = base.changed(&self.changes).ok()?;
         (manifest.hash() == self.machine).then_some(manifest)
     }
 
-    /// The parcel as bytes.
+    /// Encodes the parcel as bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut writer = BinaryWriter::new(&mut bytes);
@@ -59,7 +60,7 @@ impl Parcel {
         bytes
     }
 
-    /// The parcel that [`Parcel::to_bytes`] wrote. Each file has the hash of the bytes that are there.
+    /// Decodes the bytes of [`Parcel::to_bytes`]. The hashes of the files are computed from their bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Broken> {
         let mut reader = BinaryReader::new(bytes);
         let machine = reader.hash()?;

@@ -1,4 +1,4 @@
-//! Packs in the database: files once by their hash, manifests as changes of earlier ones. Knows tables, no machines.
+//! Packs in the database: files once by their hash, manifests as changes of earlier ones. Handles tables, not machines.
 
 use super::{Hash, Manifest, Pack};
 use crate::journal::folder::JournalError;
@@ -6,12 +6,12 @@ use crate::journal::store::Database;
 use parking_lot::{Mutex, MutexGuard};
 use rusqlite::{Connection, OptionalExtension as _, params};
 
-/// The maximum number of consecutive changes before a manifest is written in full.
+/// Maximum number of consecutive changes before a manifest is written in full.
 const CHANGES_MAX: usize = 32;
-/// The maximum size of one write, in bytes, before the lock is released for others.
+/// Maximum size of one write, in bytes, before the lock is released for others.
 const TURN_BYTES: usize = 1 << 20;
 
-/// The last stored manifest, on which the next one is based.
+/// The last stored manifest, which is the base of the next one.
 #[derive(Debug, Default)]
 pub(in crate::journal) struct Roots {
     last: Option<(Hash, Manifest)>,
@@ -83,7 +83,7 @@ fn is_known(connection: &Connection, hash: Hash) -> rusqlite::Result<bool> {
     Ok(connection.query_row(query, [hash.0], |_| Ok(())).optional()?.is_some())
 }
 
-/// The manifest with this hash, if it is stored; `Err` describes damaged tables.
+/// Returns the manifest with this hash, if it is stored. `Err` describes damaged tables.
 pub(super) fn manifest(
     connection: &Connection,
     hash: Hash,

@@ -1,4 +1,4 @@
-//! A machine that was packed, kept and unpacked is the same machine.
+//! A machine that is packed, stored and unpacked is unchanged.
 
 use super::store::manifest;
 use super::{Hash, Packed};
@@ -20,14 +20,14 @@ fn keep(run: &Path, packs: &[&Pack]) -> Hash {
     hashes.last().unwrap()
 }
 
-/// Reads what the run in the folder `run` kept.
+/// Reads the machine that the run in the folder `run` has stored.
 fn unpacked(run: &Path, hash: Hash) -> Loaded {
     let packed = Arc::new(Packed::read(run, hash).unwrap());
     let libraries = Libraries::default().packed(Arc::clone(&packed));
     load_packed(&packed, Packed::MACHINE, Path::new("/where/it/lay"), &libraries).unwrap()
 }
 
-/// Packs, keeps and reads.
+/// Packs, stores and reads a machine.
 fn check(machine: &Machine) {
     let folder = tempfile::tempdir().unwrap();
     let pack = Packer::default().pack(machine, None, &Libraries::default());

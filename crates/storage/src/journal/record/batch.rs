@@ -1,12 +1,12 @@
-//! Events on their way into a journal, encoded as the journal keeps them. A batch is reused: once it has grown to
-//! its usual size it allocates nothing. Knows items, but not where they go.
+//! Events to be appended to a journal, in the journal's encoding. A batch is reused: once it has grown to its usual size, it
+//! allocates nothing. Handles items, not their destination.
 
 use super::binary::BinaryWriter;
 use super::{Definition, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 use std::borrow::Borrow;
 use std::num::NonZeroU64;
 
-/// A group of events that is kept as a whole or not at all, with the definitions of its numbers.
+/// A group of events and the definitions of their numbers. It is stored completely or not at all.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Batch {
     pub(in crate::journal) definitions: Vec<u8>,
@@ -17,12 +17,12 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// An empty batch; `t_ns` is the time of the last record before it, 0 in a new journal.
+    /// Creates an empty batch. `t_ns` is the time of the last record before it, 0 in a new journal.
     pub fn new(t_ns: u64) -> Self {
         Self { t_before: t_ns, t_last: t_ns, ..Self::default() }
     }
 
-    /// Empties it for the next events.
+    /// Removes all events for reuse.
     pub fn clear(&mut self) {
         self.definitions.clear();
         self.records.clear();
@@ -30,32 +30,32 @@ impl Batch {
         self.t_before = self.t_last;
     }
 
-    /// Whether it is empty.
+    /// Returns true if there are no events and no definitions.
     pub fn is_empty(&self) -> bool {
         self.count == 0 && self.definitions.is_empty()
     }
 
-    /// The number of its records.
+    /// Returns the number of records.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Its size in bytes.
+    /// Returns the size in bytes.
     pub fn bytes(&self) -> usize {
         self.records.len() + self.definitions.len()
     }
 
-    /// Its records as encoded [`crate::journal::Item`]s, without the definitions.
+    /// Returns the records as encoded [`crate::journal::Item`]s, without the definitions.
     pub fn records(&self) -> &[u8] {
         &self.records
     }
 
-    /// The time of the record before it, which a reader of its records needs.
+    /// Returns the time of the record before the batch. A reader of the records needs it.
     pub fn t_before(&self) -> u64 {
         self.t_before
     }
 
-    /// The time of its last record.
+    /// Returns the time of the last record.
     pub fn t_last(&self) -> u64 {
         self.t_last
     }
@@ -116,13 +116,13 @@ impl Batch {
         BinaryWriter::new(&mut self.records).record(delta, record);
     }
 
-    /// Begins a definition with the number of records before it, and returns its offset.
+    /// Begins a definition with the number of records before it. Returns the offset of the definition.
     fn definition(&mut self) -> usize {
         BinaryWriter::new(&mut self.definitions).number(u64::from(self.count));
         self.definitions.len()
     }
 
-    /// Counts a record, and returns the time since the previous one, at least 0.
+    /// Counts a record. Returns the time since the previous one, at least 0.
     fn delta(&mut self, t_ns: u64) -> u64 {
         let delta = t_ns.saturating_sub(self.t_last);
         self.t_last += delta;
@@ -131,17 +131,17 @@ impl Batch {
     }
 }
 
-/// How a state ended; see [`Record::Left`].
+/// The end of a state; see [`Record::Left`].
 #[derive(Debug)]
 pub struct Left<'k, O> {
-    /// Its place.
+    /// Place of the state.
     pub place: PlaceNumber,
-    /// Id of its outcome.
+    /// Id of the outcome.
     pub outcome: i64,
-    /// One value for each output port, in the order of the place's definition; none if values are not kept.
+    /// One value for each output port, in the order of the place's definition. Empty if values are not recorded.
     pub outputs: O,
-    /// Its error, if it left one.
+    /// Error of the state, if it has one.
     pub error: Option<&'k Kept>,
-    /// The entry that is undone, if it was left backwards.
+    /// The entry that is undone, if the state was left backwards.
     pub undoes: Option<NonZeroU64>,
 }

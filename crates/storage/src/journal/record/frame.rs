@@ -1,35 +1,35 @@
-//! A batch as bytes with a checksum. Knows one frame, but not where it is stored.
+//! Encodes a batch as bytes with a checksum. Handles one frame, not its storage.
 
 use super::batch::Batch;
 use super::binary::{BinaryReader, Broken};
 use super::{Definition, Item};
 
-/// Bytes before the body.
+/// Number of bytes before the body.
 pub(in crate::journal) const HEAD: usize = 64;
-/// Frames begin at multiples of this.
+/// Alignment of frames, in bytes.
 const ALIGN: usize = 8;
-/// The flag of a frame whose body is in a separate file.
+/// Flag of a frame whose body is in a separate file.
 const SPILLED: u32 = 1;
 
-/// The header of a frame.
+/// Header of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::journal) struct FrameHeader {
-    /// Counts the frames of one recorder, from 1.
+    /// Number of the frame in its recorder, counted from 1.
     pub(in crate::journal) number: u64,
     /// Number of its first record.
     pub(in crate::journal) first: u64,
-    /// The number of its records.
+    /// Number of its records.
     pub(in crate::journal) count: u32,
     /// Time of the record before it.
     pub(in crate::journal) t_before: u64,
     /// Time of its last record.
     pub(in crate::journal) t_last: u64,
-    /// Whether the body is in a separate file.
+    /// True if the body is in a separate file.
     pub(in crate::journal) spilled: bool,
 }
 
 impl FrameHeader {
-    /// The number of the record that follows it.
+    /// Returns the number of the record that follows the frame.
     pub(in crate::journal) fn next(&self) -> u64 {
         self.first + u64::from(self.count)
     }
@@ -41,30 +41,30 @@ pub(in crate::journal) struct Frame<'b> {
     pub(in crate::journal) head: FrameHeader,
     /// Definitions, each with the number of records of this frame before it.
     pub(in crate::journal) definitions: &'b [u8],
-    /// The records.
+    /// Records of the frame, encoded.
     pub(in crate::journal) records: &'b [u8],
 }
 
 impl Frame<'_> {
-    /// Whether this is the body of a frame whose body is in a separate file.
+    /// Returns true if this frame contains the body of `short`, whose body is in a separate file.
     pub(in crate::journal) fn stands_for(&self, short: &Frame<'_>) -> bool {
         self.head == FrameHeader { spilled: false, ..short.head }
     }
 }
 
-/// The length of the frame of a batch, including the padding.
+/// Returns the length of the frame of a batch, including the padding.
 pub(in crate::journal) fn length(batch: &Batch) -> usize {
     padded(HEAD + batch.definitions.len() + batch.records.len())
 }
 
-/// The length of a frame whose body is in a separate file.
+/// Length of a frame whose body is in a separate file.
 pub(in crate::journal) const SPILLED_LENGTH: usize = HEAD;
 
 fn padded(length: usize) -> usize {
     length.next_multiple_of(ALIGN)
 }
 
-/// Writes the frame of a batch to the beginning of `into`, which has the length from [`length`]. Writes the checksum last.
+/// Writes the frame of a batch to the start of `into`, which has the length from [`length`]. Writes the checksum last.
 pub(in crate::journal) fn write(into: &mut [u8], life: u32, head: FrameHeader, batch: &Batch) {
     let (definitions, records) = (&batch.definitions[..], &batch.records[..]);
     let body = &mut into[HEAD..HEAD + definitions.len() + records.len()];
@@ -91,7 +91,7 @@ fn write_head(into: &mut [u8], life: u32, head: FrameHeader, lengths: [usize; 2]
     into[..4].copy_from_slice(&sum.to_le_bytes());
 }
 
-/// The frame at the beginning of `bytes` and its length; `None` if there is no complete frame of this life.
+/// Decodes the frame at the start of `bytes`, and returns it with its length. `None` if there is no complete frame of this life.
 pub(in crate::journal) fn read(bytes: &[u8], life: u32) -> Option<(Frame<'_>, usize)> {
     let head = bytes.get(..HEAD)?;
     let number = |at: usize| u64_at(head, 16 + at * 8);
@@ -128,7 +128,7 @@ fn checksum(life: u32, bytes: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// The definitions in a frame, each with the number of the first event that it applies to.
+/// Returns the definitions in a frame, each with the number of the first event that it applies to.
 pub(in crate::journal) fn definitions<'b>(frame: &Frame<'b>) -> Definitions<'b> {
     Definitions { reader: BinaryReader::new(frame.definitions), first: frame.head.first }
 }

@@ -1,5 +1,5 @@
-//! The entries of a journal: numbered events, and definitions of the places and values that they name. Frequent events take
-//! a few bytes; the others are events of the protocol as JSON.
+//! Entries of a journal: numbered events, and definitions of the places and values that they name. Frequent events have a few
+//! bytes. The others are events of the protocol as JSON.
 //!
 //! A sequence of items is self-contained: a definition comes before its first use. Only records are numbered.
 
@@ -19,87 +19,87 @@ use rafcon_protocol::{Event, LogLevel, Stream};
 use smol_str::SmolStr;
 use std::num::NonZeroU64;
 
-/// Number of a place where a state can run; the same for the whole run.
+/// Number of a place where a state can run. It is constant in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PlaceNumber(pub u32);
 
-/// Number of a value that is kept once, however often it is named.
+/// Number of a value that is stored once, however often it is named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ValueNumber(pub u64);
 
 /// One entry of a journal.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
-    /// Something that happened, with its time since the start of the run, in ns.
+    /// An event with its time since the start of the run, in ns.
     Record(u64, Record),
-    /// The meaning of a number from here on.
+    /// Meaning of a number from here on.
     Definition(Definition),
 }
 
-/// One thing that happened.
+/// One event of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Record {
-    /// Adds a state.
+    /// A state was entered.
     Entered {
-        /// Its place.
+        /// Place of the state.
         place: PlaceNumber,
-        /// One for each input port, in the order of the place's definition; empty if values are not kept.
+        /// One value for each input port, in the order of the place's definition. Empty if values are not recorded.
         inputs: Vec<Kept>,
-        /// The entry that is undone, if it was entered backwards.
+        /// The entry that is undone, if the state was entered backwards.
         undoes: Option<NonZeroU64>,
     },
-    /// Removes a state.
+    /// A state was left.
     Left {
-        /// Its place.
+        /// Place of the state.
         place: PlaceNumber,
-        /// Id of its outcome.
+        /// Id of the outcome.
         outcome: i64,
-        /// One for each output port, in the order of the place's definition; empty if values are not kept.
+        /// One value for each output port, in the order of the place's definition. Empty if values are not recorded.
         outputs: Vec<Kept>,
-        /// Its error, if it left one.
+        /// Error of the state, if it has one.
         error: Option<Kept>,
-        /// The entry that is undone, if it was left backwards.
+        /// The entry that is undone, if the state was left backwards.
         undoes: Option<NonZeroU64>,
     },
-    /// A scoped variable got a value.
+    /// A scoped variable received a value.
     Scoped {
-        /// The container.
+        /// Place of the container.
         place: PlaceNumber,
         /// Id of the variable.
         port: u64,
-        /// The value.
+        /// Value of the variable.
         value: Kept,
     },
-    /// A global variable got a value, or was deleted.
+    /// A global variable received a value or was deleted.
     Global {
-        /// Its name.
+        /// Name of the variable.
         name: SmolStr,
-        /// The value.
+        /// Value of the variable. `None` if it was deleted.
         value: Option<Kept>,
     },
-    /// The persistent value of a state changed.
+    /// The persistent data of a state changed.
     Persistent {
-        /// The state.
+        /// Place of the state.
         place: PlaceNumber,
-        /// The value.
+        /// The whole persistent data.
         value: Kept,
     },
-    /// A line of a script or of the engine.
+    /// A log line of a script or of the engine.
     Log {
-        /// The state that wrote it, if one did.
+        /// Place of the state that wrote it, if one did.
         place: Option<PlaceNumber>,
-        /// How much it matters.
+        /// Severity of the line.
         level: LogLevel,
-        /// Where it came from.
+        /// Source of the line.
         stream: Stream,
-        /// The text.
+        /// Text of the line.
         message: String,
     },
-    /// The run returns to an entry of its history, with the data of that moment. Applies at the next entry of the root.
+    /// The run returns to an entry of its history, with the data of that moment. It takes effect at the next entry of the root.
     WentBack {
-        /// The entry.
+        /// Sequence number of the entry.
         sequence: u64,
-        /// The moment before the entry ([`crate::journal::Moment::to_bytes`]).
+        /// Moment before the entry ([`crate::journal::Moment::to_bytes`]).
         moment: Vec<u8>,
     },
     /// Any other event of the protocol.
@@ -109,44 +109,44 @@ pub enum Record {
 /// A value in an event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kept {
-    /// There is none: the script left the port out.
+    /// No value: the script left the port out.
     Absent,
-    /// `None`.
+    /// Python's value `None`.
     None,
-    /// A `bool`.
+    /// A Python `bool`.
     Bool(bool),
-    /// An `int` of 64 bits.
+    /// A Python `int` of 64 bits.
     Int(i64),
-    /// A `float`.
+    /// A Python `float`.
     Float(f64),
-    /// A `str` of at most [`TEXT_MAX`] bytes.
+    /// A Python `str` of at most [`TEXT_MAX`] bytes.
     Text(SmolStr),
-    /// Any other value, defined before.
+    /// Any other value, by the number of its definition.
     Value(ValueNumber),
 }
 
-/// The maximum length of a text inside the event, in bytes.
+/// Maximum length of a text inside an event, in bytes.
 pub const TEXT_MAX: usize = 64;
 
-/// The meaning of a number.
+/// Meaning of a number.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Definition {
-    /// A place.
+    /// Definition of a place.
     Place(PlaceNumber, Place),
-    /// A value.
+    /// Definition of a value.
     Value(ValueNumber, Stored),
 }
 
-/// A place and its state. It is defined again when the state's ports change.
+/// A place and its state. It is redefined when the state's ports change.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
-    /// Ids from the root, joined by `/`.
+    /// Path of the state: ids from the root, joined by `/`.
     pub path: String,
-    /// Names from the root, joined by `/`.
+    /// Names of the states on the path, joined by `/`.
     pub names: String,
-    /// Whether it is a library state, which does not count as a state run.
+    /// True for a library state, which does not count as a state run.
     pub is_library: bool,
-    /// Whether the state runs a script, which a crash can interrupt.
+    /// True if the state runs a script, which a crash can interrupt.
     pub is_script: bool,
     /// Id and name of each input port.
     pub inputs: Vec<(u64, SmolStr)>,
@@ -158,32 +158,32 @@ pub struct Place {
     pub outcomes: Vec<(i64, SmolStr)>,
 }
 
-/// A value that outlives its run.
+/// A stored value, which remains after its run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stored {
-    /// The value for readers without Python: JSON as `docs/protocol.md` encodes values, bounded.
+    /// View for readers without Python: JSON encoded as in `docs/protocol.md`, limited in size.
     pub view: serde_json::Value,
-    /// The name of its type.
+    /// Name of the value's type.
     pub type_name: SmolStr,
-    /// The source from which the value can be restored.
+    /// Source from which the value can be restored.
     pub content: Content,
 }
 
-/// The source from which a value can be restored.
+/// Source from which a value can be restored.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Content {
-    /// The view, which is complete: plain JSON of Python's built-in types.
+    /// The view is complete: plain JSON of Python's built-in types.
     View,
-    /// These bytes: a pickle.
+    /// A pickle in these bytes.
     Pickle(Vec<u8>),
-    /// The file `values/<hash>` in the run's folder: a pickle that is large, named by its BLAKE3 hash in hex.
+    /// A large pickle in the file `values/<hash>` of the run's folder, named by its BLAKE3 hash in hex.
     File {
-        /// The file's name.
+        /// Name of the file.
         hash: String,
-        /// Its size in bytes.
+        /// Size of the file in bytes.
         size: u64,
     },
-    /// Nothing, with the reason why the value cannot be kept. A script never gets such a value back.
+    /// No source, with the reason why the value cannot be stored. Scripts never receive such a value.
     Nothing(String),
 }
 
@@ -209,21 +209,21 @@ impl Record {
 }
 
 impl Stored {
-    /// The value as bytes, as the database keeps it.
+    /// Encodes the value for the database.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         BinaryWriter::new(&mut bytes).stored(self);
         bytes
     }
 
-    /// The value from [`Stored::to_bytes`].
+    /// Decodes the bytes of [`Stored::to_bytes`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Broken> {
         BinaryReader::new(bytes).stored()
     }
 }
 
 impl Item {
-    /// Appends the item to `out`; `before` is the time of the previous record, and becomes the time of this one.
+    /// Appends the item to `out`. `before` is the time of the previous record, and is set to the time of this one.
     pub fn write(&self, before: &mut u64, out: &mut Vec<u8>) {
         let mut writer = BinaryWriter::new(out);
         match self {
@@ -237,7 +237,7 @@ impl Item {
     }
 }
 
-/// Reads items from bytes, up to the end or the first broken one.
+/// Reads items from bytes, up to the end or the first invalid one.
 #[derive(Debug)]
 pub struct Items<'b> {
     reader: BinaryReader<'b>,
@@ -245,12 +245,12 @@ pub struct Items<'b> {
 }
 
 impl<'b> Items<'b> {
-    /// The items in `bytes`; `t_ns` is the time of the record before them.
+    /// Reads the items in `bytes`. `t_ns` is the time of the record before them.
     pub fn new(bytes: &'b [u8], t_ns: u64) -> Self {
         Self { reader: BinaryReader::new(bytes), t_ns }
     }
 
-    /// The next record counts its time from 0.
+    /// Makes the next record count its time from 0.
     pub(in crate::journal) fn count_from_zero(&mut self) {
         self.t_ns = 0;
     }

@@ -1,11 +1,11 @@
-//! The places that a journal names, by number and by path. Knows definitions, not what happens there.
+//! Places that a journal names, by number and by path. Stores their definitions only.
 
 use super::{Place, PlaceNumber};
 use rafcon_model::ids::DECIDER_ID;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// All places defined so far, each by its latest definition.
+/// All places that have been defined, each by its latest definition.
 #[derive(Debug, Clone, Default)]
 pub struct Places {
     places: BTreeMap<PlaceNumber, Known>,
@@ -29,22 +29,22 @@ impl Places {
         self.places.insert(number, Known { place: Arc::new(place), parent, is_decider });
     }
 
-    /// The place with this number.
+    /// Returns the place with this number.
     pub fn get(&self, number: PlaceNumber) -> Option<&Arc<Place>> {
         Some(&self.places.get(&number)?.place)
     }
 
-    /// The number of the place with this path.
+    /// Returns the number of the place with this path.
     pub fn number(&self, path: &str) -> Option<PlaceNumber> {
         self.numbers.get(path).copied()
     }
 
-    /// All of them, by number.
+    /// Returns all places, sorted by number.
     pub fn iter(&self) -> impl Iterator<Item = (PlaceNumber, &Arc<Place>)> {
         self.places.iter().map(|(number, known)| (*number, &known.place))
     }
 
-    /// The parent of this place; the root has none.
+    /// Returns the parent of this place. The root has none.
     pub fn parent(&self, number: PlaceNumber) -> Option<PlaceNumber> {
         self.places.get(&number)?.parent
     }
@@ -53,7 +53,7 @@ impl Places {
         self.places.get(&number).is_some_and(|known| known.is_decider)
     }
 
-    /// The path of a place; empty if it was never defined.
+    /// Returns the path of a place. Empty if it was never defined.
     pub(in crate::journal) fn path(&self, number: PlaceNumber) -> &str {
         self.get(number).map_or("", |place| &place.path)
     }

@@ -1,4 +1,4 @@
-//! Records as events of the protocol, with paths, names and values. Knows both vocabularies.
+//! Converts records to events of the protocol, with paths, names and values.
 
 use super::{Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
 use crate::journal::folder::JournalError;
@@ -10,19 +10,19 @@ use std::sync::Arc;
 
 /// Looks up the numbers in a record.
 pub trait Glossary {
-    /// A place, as defined when the record was written.
+    /// Returns a place, as defined when the record was written.
     fn place(&self, number: PlaceNumber) -> Option<Arc<Place>>;
 
-    /// A value; `None` if the journal has dropped it.
+    /// Returns a value. `None` if the journal has deleted it.
     fn value(&self, number: ValueNumber) -> Result<Option<Stored>, JournalError>;
 }
 
-/// A record as an event of the protocol. Without `values`, the event has no inputs and outputs, and a short error.
+/// Converts a record to an event of the protocol. Without `values`, the event has no inputs and outputs, and a short error.
 pub fn tell(record: Record, glossary: &impl Glossary, values: bool) -> Result<Event, JournalError> {
     Telling { glossary, values }.event(record)
 }
 
-/// A value as a reader sees it.
+/// Returns a value in the form that readers receive.
 pub(in crate::journal) fn view(
     kept: &Kept,
     glossary: &impl Glossary,
@@ -43,7 +43,7 @@ pub(in crate::journal) fn view(
     })
 }
 
-/// The beginning of the text that replaces a damaged value.
+/// Start of the text that replaces a damaged value.
 pub const DAMAGED: &str = "<damaged: ";
 
 fn damaged(number: ValueNumber) -> Value {
@@ -51,7 +51,7 @@ fn damaged(number: ValueNumber) -> Value {
     json!({ "__repr__": text, "__class__": "" })
 }
 
-/// Replaces a value that was dropped to keep the journal small.
+/// Returns the replacement for a value that was deleted to limit the size of the journal.
 fn gone() -> Value {
     json!({ "__repr__": "<no longer kept>", "__class__": "" })
 }
@@ -109,7 +109,7 @@ impl<G: Glossary> Telling<'_, G> {
         view(kept, self.glossary)
     }
 
-    /// Without `values`, an error that cannot be read does not hide the end of the state.
+    /// Converts an error. Without `values`, an unreadable error does not hide the end of the state.
     fn error(&self, kept: &Kept) -> Result<Value, JournalError> {
         let error = self.view(kept);
         if self.values { error } else { Ok(short_error(error.unwrap_or_else(|_| gone()))) }
@@ -127,7 +127,7 @@ impl<G: Glossary> Telling<'_, G> {
     }
 }
 
-/// Values by the names of their ports, without absent ones.
+/// Returns values by the names of their ports, without absent ones.
 fn named(
     ports: &[(u64, SmolStr)],
     values: &[Kept],
@@ -137,10 +137,10 @@ fn named(
     there.map(|((_, name), value)| Ok((name.to_string(), view(value, glossary)?))).collect()
 }
 
-/// The largest integer that every JSON reader keeps exactly.
+/// Largest integer that every JSON reader preserves exactly.
 const EXACT_MAX: u64 = (1 << 53) - 1;
 
-/// An integer as `docs/protocol.md` encodes it.
+/// Encodes an integer as in `docs/protocol.md`.
 pub fn int(value: i64) -> Value {
     if value.unsigned_abs() <= EXACT_MAX {
         value.into()
@@ -149,7 +149,7 @@ pub fn int(value: i64) -> Value {
     }
 }
 
-/// A float as `docs/protocol.md` encodes it.
+/// Encodes a float as in `docs/protocol.md`.
 pub fn float(value: f64) -> Value {
     if value == 0.0 && value.is_sign_negative() {
         return json!({ "__float__": "-0.0" });
@@ -163,7 +163,7 @@ pub fn float(value: f64) -> Value {
     number.unwrap_or_else(|| json!({ "__repr__": repr(), "__class__": "float" }))
 }
 
-/// An outcome with its name, if the place defines it.
+/// Returns an outcome with its name, if the place defines it.
 pub(in crate::journal) fn outcome_of(place: Option<&Place>, id: i64) -> Outcome {
     let outcomes = place.map_or(&[][..], |place| &place.outcomes);
     let known = outcomes.iter().find(|(known, _)| *known == id).map(|(_, name)| name.to_string());

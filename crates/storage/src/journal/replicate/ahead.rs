@@ -1,15 +1,15 @@
-//! Events that were read together, and are given in parts: a journal costs more to open at a place than to read on.
+//! Events that are read in one group and returned in parts, because positioning in a journal costs more than continuing to read.
 
 use super::source::EventItems;
 
-/// So many bytes are read at once, about.
+/// Approximate number of bytes that are read ahead.
 pub(super) const AHEAD_BYTES: usize = 32 << 10;
 
-/// Consecutive events, and where each of them ends.
+/// Consecutive events, and the end of each.
 #[derive(Debug)]
 pub(super) struct Ahead {
     items: EventItems,
-    /// Of each event: where its items end, and its time in ns since the start of the run.
+    /// End of each event's items, and its time in ns since the start of the run.
     ends: Vec<(usize, u64)>,
 }
 
@@ -18,8 +18,8 @@ impl Ahead {
         Self { items, ends }
     }
 
-    /// Events from `first` on, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing if `first`
-    /// is not here, or if more would fit than is here.
+    /// Returns events from `first` to at most `last`, and at most `bytes_max` bytes unless a single event is longer. `None` if
+    /// `first` is not in the group, or if more events than the group has would fit.
     pub(super) fn part(&self, first: u64, last: u64, bytes_max: usize) -> Option<EventItems> {
         let skip = usize::try_from(first.checked_sub(self.items.first)?).ok()?;
         let before = |index: usize| self.ends.get(index.checked_sub(1)?).copied();

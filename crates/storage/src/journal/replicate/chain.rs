@@ -1,12 +1,11 @@
-//! The hash of all events of a journal up to one of them: two journals with the same hash have the same events, whatever they were
-//! written from.
+//! Hash of all events of a journal up to one of them. Two journals with equal hashes have equal events, whatever their source.
 
 use crate::journal::read::{Reader, damaged};
 use crate::journal::record::Item;
 use crate::journal::{Entry, JournalError};
 use std::ops::ControlFlow;
 
-/// A hash that goes on with each event.
+/// A hash that each event extends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Chain {
     last: u64,
@@ -15,18 +14,18 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// The last event that is in it.
+    /// Returns the last event that the hash includes.
     pub fn last(&self) -> u64 {
         self.last
     }
 
-    /// The hash, as far as it is told.
+    /// Returns the first 64 bits of the hash, which both sides compare.
     pub fn hash(&self) -> u64 {
         self.hash.first_chunk().map_or(0, |first| u64::from_be_bytes(*first))
     }
 
-    /// Goes on up to event `to`, or for about so many bytes; answers how many it took. An error if the journal does not have what
-    /// was: it is damaged, or has dropped detail.
+    /// Extends the hash up to event `to`, or by approximately the given number of bytes. Returns the number of bytes. Fails if the
+    /// journal is damaged or has dropped detail.
     pub fn advance(
         &mut self,
         reader: &mut Reader,

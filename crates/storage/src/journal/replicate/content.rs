@@ -1,5 +1,5 @@
-//! The bytes of a value that a run keeps beside its events, named by their hash. Knows files and journals; does not know what the bytes
-//! mean.
+//! Bytes of a value that a run stores beside its events, named by their hash. Handles files and journals, not the meaning of the
+//! bytes.
 
 use crate::journal::folder::ContentHash;
 use crate::journal::record::{Content, Stored};
@@ -8,7 +8,7 @@ use std::io;
 use std::os::unix::fs::FileExt as _;
 use std::path::Path;
 
-/// The bytes of a value, to be read in parts.
+/// Bytes of a value, for reading in parts.
 #[derive(Debug)]
 pub struct ValueContent {
     hash: ContentHash,
@@ -23,7 +23,7 @@ enum ContentPlace {
 }
 
 impl ValueContent {
-    /// The bytes of a value of the run in `run`; nothing if it has none of its own, or its file is gone.
+    /// Opens the bytes of a value of the run in `run`. `None` if the value has no bytes of its own, or if its file is missing.
     pub fn open(run: &Path, stored: Stored) -> Option<Self> {
         match stored.content {
             Content::Pickle(bytes) => {
@@ -40,17 +40,17 @@ impl ValueContent {
         }
     }
 
-    /// Its hash.
+    /// Returns the hash of the bytes.
     pub fn hash(&self) -> ContentHash {
         self.hash
     }
 
-    /// How many bytes it has.
+    /// Returns the number of bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Bytes from `offset` on: `bytes_max`, or up to the end.
+    /// Reads `bytes_max` bytes from `offset` on, or the bytes up to the end.
     pub fn read(&self, offset: u64, bytes_max: usize) -> io::Result<Vec<u8>> {
         let left = usize::try_from(self.length.saturating_sub(offset)).unwrap_or(usize::MAX);
         let count = left.min(bytes_max);

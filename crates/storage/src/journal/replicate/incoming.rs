@@ -1,5 +1,5 @@
-//! A large value on its way into the folder of a replica: its parts come in any order, over several starts, and it counts only once its
-//! hash is right.
+//! A large value that is being received into the folder of a replica. Its parts arrive in any order, possibly over several program
+//! starts. It becomes valid when its hash is correct.
 
 use crate::journal::folder::{
     ContentHash, VALUES_FOLDER, fresh_name, make_folder, replace_file, sync_folder,
@@ -9,7 +9,7 @@ use std::io;
 use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
-/// A value that is not complete.
+/// A value that is not complete yet.
 #[derive(Debug)]
 pub struct IncomingContent {
     hash: ContentHash,
@@ -19,8 +19,8 @@ pub struct IncomingContent {
 }
 
 impl IncomingContent {
-    /// Begins a value of so many bytes in the folder of a run, or goes on with it. Also answers which bytes of it are here, as they were
-    /// noted last: the first and the last of each range, the first byte being 1.
+    /// Starts or resumes receiving a value of `length` bytes in the folder of a run. Also returns the ranges of bytes recorded as
+    /// received: the first and the last byte of each, counted from 1.
     pub fn open(run: &Path, hash: ContentHash, length: u64) -> io::Result<(Self, Vec<(u64, u64)>)> {
         make_folder(&run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
         let mut options = OpenOptions::new();
@@ -32,12 +32,12 @@ impl IncomingContent {
         Ok((Self { hash, length, run: run.to_owned(), file }, noted))
     }
 
-    /// How many bytes it has.
+    /// Returns the total number of bytes.
     pub fn length(&self) -> u64 {
         self.length
     }
 
-    /// Takes a part.
+    /// Writes a part of the value.
     pub fn write(&self, offset: u64, bytes: &[u8]) -> io::Result<()> {
         let end = offset.saturating_add(bytes.len() as u64);
         if end > self.length {
@@ -46,7 +46,7 @@ impl IncomingContent {
         self.file.write_all_at(bytes, offset)
     }
 
-    /// Notes which bytes are here, once they are safe.
+    /// Syncs the received bytes and then records their ranges.
     pub fn note(&self, here: impl Iterator<Item = (u64, u64)>) -> io::Result<()> {
         self.file.sync_data()?;
         let lines: Vec<_> = here.map(|(first, last)| format!("{first} {last}")).collect();
@@ -54,12 +54,13 @@ impl IncomingContent {
         replace_file(&here, lines.join("\n").as_bytes()).map_err(io::Error::other)
     }
 
-    /// All bytes are here: answers whether they are the value. Then its file is safe; else nothing of it is left.
+    /// Checks the hash after all bytes have arrived. If it is correct, the value's file is durable; otherwise all data is removed.
+    /// Returns true if it is correct.
     pub fn finish(self) -> io::Result<bool> {
         let is_right = self.hash_of_file()? == self.hash;
         if is_right {
             self.file.sync_all()?;
-            // Before the value can be seen: nobody would look for it after a crash.
+            // Removed before the value becomes visible, because nothing would remove the record after a crash.
             self.remove_notes();
             fs::rename(part_file(&self.run, self.hash), self.hash.file_in(&self.run))?;
             sync_folder(&self.run.join(VALUES_FOLDER)).map_err(io::Error::other)?;
@@ -69,10 +70,10 @@ impl IncomingContent {
         Ok(is_right)
     }
 
-    /// It is not wanted any more.
+    /// Cancels the reception and removes its data.
     pub fn remove(self) {
         self.remove_notes();
-        // What is not there needs no removing.
+        // Missing files need no removal.
         drop(fs::remove_file(part_file(&self.run, self.hash)));
     }
 
@@ -100,7 +101,7 @@ fn beside(run: &Path, hash: ContentHash, what: &str) -> PathBuf {
     run.join(VALUES_FOLDER).join(format!(".{}.{what}", hash.name()))
 }
 
-/// What was noted; nothing if it makes no sense.
+/// Returns the recorded ranges. Empty if the record is invalid.
 fn read_noted(run: &Path, hash: ContentHash, length: u64) -> Vec<(u64, u64)> {
     let text = fs::read_to_string(beside(run, hash, "here")).unwrap_or_default();
     let range = |line: &str| {

@@ -1,5 +1,5 @@
-//! A run that is written a second time, elsewhere: from its journal to items that need no other, and from those to an ordinary
-//! journal. Knows journals and items. Does not know how the items travel, nor when.
+//! Replication of a run: from its journal to self-contained items, and from those to an ordinary journal. Handles journals and
+//! items, not the transport or its timing.
 
 mod ahead;
 mod chain;

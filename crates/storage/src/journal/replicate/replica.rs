@@ -1,4 +1,4 @@
-//! An ordinary journal that is written from items.
+//! An ordinary journal that is written from received items.
 
 use super::EventItems;
 use crate::journal::record::{Batch, Broken, Stored};
@@ -8,7 +8,7 @@ use crate::journal::{
 };
 use std::path::Path;
 
-/// The journal of a run that happens elsewhere. It has the events without gaps from the first one on.
+/// Journal of a run on another computer. It has all events without gaps, from the first one on.
 #[derive(Debug)]
 pub struct Replica {
     journal: Journal,
@@ -16,42 +16,42 @@ pub struct Replica {
     t_ns: u64,
 }
 
-/// Why items were not kept. What was kept before stays.
+/// Reason why items were not stored. Items stored before remain.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplicaError {
-    /// They are not items of a journal.
+    /// The bytes are not items of a journal.
     #[error(
         "the items of a run are broken, and are not kept: both sides need the same version of rafcon"
     )]
     Broken(#[from] Broken),
-    /// They are not as many as they are said to be.
+    /// The number of items differs from the announced number.
     #[error(
         "{said} events were sent, and {found} came: both sides need the same version of rafcon"
     )]
     Count {
-        /// What was said.
+        /// Announced number of events.
         said: u64,
-        /// What was found.
+        /// Actual number of events.
         found: u64,
     },
-    /// They follow on another event than the last one here.
+    /// The items continue another event than the last one in the replica.
     #[error(
         "event {next} at the robot does not follow on event {} here: one of the two has another history", next - 1
     )]
     Diverged {
-        /// The number of the event that comes next.
+        /// Number of the next event.
         next: u64,
     },
-    /// The disk refuses them.
+    /// The recorder or its disk refused the items.
     #[error(transparent)]
     Full(#[from] Full),
-    /// The journal refuses them.
+    /// The journal failed to store the items.
     #[error(transparent)]
     Journal(#[from] JournalError),
 }
 
 impl Replica {
-    /// Begins the replica of a run in `folder`, or goes on with the one there.
+    /// Creates the replica of a run in `folder`, or continues the existing one.
     pub fn open(folder: &Path, about: &About, options: &Options) -> Result<Self, JournalError> {
         match Journal::create(folder, about, options) {
             Ok(journal) => Ok(Self { journal, next: 1, t_ns: 0 }),
@@ -64,12 +64,12 @@ impl Replica {
         }
     }
 
-    /// The number of the event that comes next.
+    /// Returns the number of the next event.
     pub fn next(&self) -> u64 {
         self.next
     }
 
-    /// Takes the events that are new, if they continue what is here; answers whether any were.
+    /// Appends the new events, if they continue the replica. Returns true if there were new events.
     pub fn append(&mut self, items: &EventItems) -> Result<bool, ReplicaError> {
         let EventItems { first, count, t_before, bytes } = items;
         if *first > self.next || first + count <= self.next {
@@ -112,17 +112,17 @@ impl Replica {
         Ok(true)
     }
 
-    /// Keeps a machine of the run, safe from a power cut.
+    /// Stores a machine of the run. Returns when it survives a power cut.
     pub fn keep_root(&self, pack: &Pack) -> Result<Hash, JournalError> {
         self.journal.keep_root(pack)
     }
 
-    /// Makes everything so far safe from a power cut; answers up to which event it is.
+    /// Makes all appended events safe from a power cut. Returns the number of the last safe event.
     pub fn commit(&self) -> Result<Committed, JournalError> {
         self.journal.commit()
     }
 
-    /// Nothing more is expected of the run.
+    /// Closes the replica. No more events are expected.
     pub fn close(self) -> Result<Committed, JournalError> {
         self.journal.close_for_long()
     }

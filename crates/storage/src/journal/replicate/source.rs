@@ -1,4 +1,4 @@
-//! The events of a journal as items, each with the definitions that it is the first to need.
+//! Events of a journal as items, each with the definitions that it is the first to need.
 
 use super::ahead::{AHEAD_BYTES, Ahead};
 use crate::journal::folder::ContentHash;
@@ -11,49 +11,49 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// After so many events it is noted what was defined before, so that reading may begin there.
+/// Interval, in events, at which the current definitions are recorded, so that reading may start there.
 const MARK_EVERY: u64 = 1_024;
 
 /// Consecutive events of a journal with the definitions that they are the first to need.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EventItems {
-    /// The number of the first event.
+    /// Number of the first event.
     pub first: u64,
-    /// How many events they are.
+    /// Number of events.
     pub count: u64,
-    /// The time of the event before them, in ns since the start of the run.
+    /// Time of the event before them, in ns since the start of the run.
     pub t_before: u64,
-    /// The items.
+    /// Encoded items of the events.
     pub bytes: Vec<u8>,
 }
 
-/// Reads a journal, which may grow, from any event on.
+/// Reader of a journal from any event on. The journal may grow.
 #[derive(Debug)]
 pub struct EventSource {
     reader: Reader,
-    /// What was defined before some events, in their order. The first one is the first event.
+    /// Positions before some events, sorted. The first is that of the first event.
     marks: Vec<Before>,
-    /// The same before the event that is probably read next.
+    /// Position before the event that is probably read next.
     next: Before,
-    /// What was read last.
+    /// Events that were read ahead.
     ahead: Option<Ahead>,
-    /// Longer pickles are named by their hash.
+    /// Maximum size of pickles among the items. Larger ones are named by their hash.
     pickle_max: usize,
 }
 
-/// What is known before an event.
+/// Time and definitions before an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Before {
     sequence: u64,
     t_ns: u64,
-    /// Values with this number or a higher one are not defined.
+    /// First number of the values that are not defined yet.
     value: u64,
 }
 
 const START: Before = Before { sequence: 1, t_ns: 0, value: 0 };
 
 impl Before {
-    /// What is known behind an event.
+    /// Returns the position after an event.
     fn behind(mut self, entry: &Entry) -> Self {
         (self.sequence, self.t_ns) = (entry.sequence + 1, entry.t_ns);
         entry.record.values(&mut |kept| {
@@ -66,30 +66,31 @@ impl Before {
 }
 
 impl EventSource {
-    /// The journal of the run in `folder`.
+    /// Opens the journal of the run in `folder`.
     pub fn open(folder: &Path) -> Result<Self, JournalError> {
         let (marks, next, ahead) = (vec![START], START, None);
         Ok(Self { reader: Reader::open(folder)?, marks, next, ahead, pickle_max: usize::MAX })
     }
 
-    /// From now on pickles with more bytes are not among the items: they are named by their hash, as those that lie in files.
+    /// Excludes pickles of more bytes from the items. They are named by their hash, like those in files.
     #[must_use]
     pub fn without_pickles_over(mut self, bytes: usize) -> Self {
         self.pickle_max = bytes;
         self
     }
 
-    /// The number of the last event that is safe on the disk.
+    /// Returns the number of the last event that survives a power cut.
     pub fn last(&self) -> Result<u64, JournalError> {
         self.reader.last_sequence()
     }
 
-    /// The journal.
+    /// Returns the underlying reader.
     pub fn reader(&mut self) -> &mut Reader {
         &mut self.reader
     }
 
-    /// All definitions of places up to an event, each as items: the event that it comes before, and the items.
+    /// Returns all definitions of places up to an event. Each entry has the number of the event that it precedes, and the encoded
+    /// items.
     pub fn places(&mut self, last: u64) -> Result<Vec<(u64, Vec<u8>)>, JournalError> {
         let places = self.reader.definitions(1..=last)?.into_iter();
         Ok(places
@@ -101,8 +102,8 @@ impl EventSource {
             .collect())
     }
 
-    /// Events from number `first` on, at most to `last`, and not more than `bytes_max` unless a single event is longer. Nothing if
-    /// there are none; an error if they are damaged or were given up.
+    /// Returns events from `first` to at most `last`, and at most `bytes_max` bytes unless a single event is longer. `None` if
+    /// there are no such events. Fails if they are damaged or were deleted.
     pub fn read(
         &mut self,
         first: u64,
@@ -116,7 +117,7 @@ impl EventSource {
         let mut ends = Vec::new();
         let read = self.read_ahead(first, last, bytes_max.max(AHEAD_BYTES), &mut ends)?;
         let Some(read) = read else { return Ok(None) };
-        // All of it is given, if it fits. A single event may be long: it is not kept.
+        // Everything that fits is returned. A single event may be long and is not stored.
         if ends.len() == 1 || ends.iter().all(|(end, _)| *end <= bytes_max) {
             self.ahead = None;
             return Ok(Some(read));
@@ -125,7 +126,7 @@ impl EventSource {
         Ok(ahead.part(first, last, bytes_max))
     }
 
-    /// The same, with the end of each event: where its items end, and its time.
+    /// Reads events with the end of each: the end of its items, and its time.
     fn read_ahead(
         &mut self,
         first: u64,
@@ -181,7 +182,7 @@ impl EventSource {
         }
     }
 
-    /// What is known before an event: from where it was known last, through the events between.
+    /// Returns the position before an event. Starts at the nearest recorded position and reads the events between.
     fn known_before(&mut self, first: u64) -> Result<Before, JournalError> {
         if self.next.sequence == first {
             return Ok(self.next);
@@ -212,7 +213,7 @@ fn define_place(number: PlaceNumber, place: Place, items: &mut Vec<u8>) {
     Item::Definition(Definition::Place(number, place)).write(&mut 0, items);
 }
 
-/// Defines the values of a record from this number on: lower ones were defined when they were named first.
+/// Defines the values of a record from this number on. Lower ones were defined at their first use.
 fn define_values(
     reader: &Reader,
     record: &Record,
@@ -239,7 +240,7 @@ fn define_values(
     Ok(())
 }
 
-/// The value without its pickle, if that is longer.
+/// Returns the value without its pickle, if that is longer.
 fn elsewhere(stored: Stored, pickle_max: usize) -> Stored {
     let content = match stored.content {
         Content::Pickle(pickle) if pickle.len() > pickle_max => {

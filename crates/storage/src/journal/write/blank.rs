@@ -1,5 +1,4 @@
-//! Journals without events: those of runs whose runner died before their first event. Knows files; decides
-//! nothing.
+//! Journals without events, of runs whose runner died before the first event. Checks and removes files; callers decide.
 
 use crate::journal::folder::{
     ABOUT_FILE, DATABASE_FILE, Doing, JournalError, RECORDER_FILE, SPILL_FOLDER, sync_folder,
@@ -10,13 +9,13 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// Whether the run in this folder has an event: no script runs before the first event is stored. A run that cannot be
-/// read counts as begun.
+/// Returns true if the run in this folder has an event. No script runs before the first event is stored. A run that cannot be read
+/// counts as begun.
 pub fn has_begun(folder: &Path) -> bool {
     folder.join(ABOUT_FILE).exists() && !is_blank(folder).unwrap_or(false)
 }
 
-/// Whether the folder has no event of a run.
+/// Returns true if the folder contains no event of a run.
 pub(in crate::journal) fn is_blank(folder: &Path) -> Result<bool, JournalError> {
     let in_database = match folder.join(DATABASE_FILE).metadata() {
         // Without its first transaction, the database has no tables.
@@ -48,12 +47,12 @@ pub(in crate::journal) fn discard(folder: &Path) -> Result<(), JournalError> {
     for file in files {
         is_changed |= remove(folder, &file)?;
     }
-    // The folder of large frames; empty, if it exists.
+    // The folder of large frames. It is empty, if it exists.
     drop(fs::remove_dir_all(folder.join(SPILL_FOLDER)));
     if is_changed { sync_folder(folder) } else { Ok(()) }
 }
 
-/// Removes a file; false if it did not exist.
+/// Removes a file. Returns false if it did not exist.
 fn remove(folder: &Path, file: &str) -> Result<bool, JournalError> {
     let path = folder.join(file);
     match fs::remove_file(&path) {

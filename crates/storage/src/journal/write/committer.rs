@@ -1,5 +1,5 @@
-//! Moves frames into the database in groups, and stores a keyframe now and then. Knows the last event in the database;
-//! knows nothing of who appends.
+//! Moves frames into the database in groups, and regularly stores a keyframe. Handles events that have been appended, not their
+//! source.
 
 use super::thin::DetailPruner;
 use crate::journal::folder::{
@@ -19,25 +19,25 @@ use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// The database's side of a journal.
+/// Database side of a journal.
 #[derive(Debug)]
 pub(in crate::journal) struct Committer {
     folder: PathBuf,
     pub(in crate::journal) database: Database,
-    /// The last row.
+    /// The last row of the database.
     last: Option<Block>,
-    /// How many definitions of places there are.
+    /// Number of definitions of places.
     places: u64,
     tracker: Tracker,
     thinner: DetailPruner,
-    /// The keyframe for the next group.
+    /// Keyframe for the next group.
     keyframe: Option<Keyframe>,
-    /// A buffer for bytes of the recorder; reused.
+    /// Reused buffer for bytes of the recorder.
     pub(in crate::journal) buffer: Vec<u8>,
 }
 
 impl Committer {
-    /// Begins with an empty database.
+    /// Starts with an empty database.
     pub(in crate::journal) fn new(
         folder: &Path,
         mut database: Database,
@@ -75,22 +75,22 @@ impl Committer {
         Ok(committer)
     }
 
-    /// Number of the last event in the database.
+    /// Returns the number of the last event in the database.
     pub(in crate::journal) fn sequence(&self) -> u64 {
         self.last.as_ref().map_or(0, |last| last.next() - 1)
     }
 
-    /// Time of the last event in the database.
+    /// Returns the time of the last event in the database.
     pub(in crate::journal) fn t_last(&self) -> u64 {
         self.last.as_ref().map_or(0, |last| last.t_last)
     }
 
-    /// The number of the next value.
+    /// Returns the number of the next value.
     pub(in crate::journal) fn next_value(&self) -> ValueNumber {
         self.tracker.next_value
     }
 
-    /// Drops a little old detail if the journal is too large; see [`DetailPruner::thin`].
+    /// Deletes some old detail if the journal is too large; see [`DetailPruner::thin`].
     pub(in crate::journal) fn thin(&mut self) -> Result<Option<u64>, JournalError> {
         self.thinner.thin(&mut self.database, &self.folder)
     }
@@ -132,7 +132,7 @@ impl Committer {
         Ok(())
     }
 
-    /// Writes frames to the database, then follows their events.
+    /// Writes frames to the database and then processes their events.
     fn put_frames(&mut self, frames: &[Frame<'_>]) -> Result<(), JournalError> {
         let mut group = Group::after(self.last.as_ref());
         group.keyframe.clone_from(&self.keyframe);
@@ -153,7 +153,7 @@ impl Committer {
         Ok(())
     }
 
-    /// What is known after the last event in the database.
+    /// Restores the tracker for the last event in the database.
     fn catch_up(&mut self, size_max: u64) -> Result<Tracker, JournalError> {
         let (start, floor) = self.database.last_keyframe()?;
         let mut reader = Reader::open(&self.folder)?;
@@ -183,7 +183,8 @@ impl Committer {
     }
 }
 
-/// Makes the files of `values` safe from a power cut. A value without its file has no content; in a replica its file may come later.
+/// Syncs the files of `values` to disk. A value without its file loses its content, except in a replica, where the file may arrive
+/// later.
 fn settle_values(run: &Path, values: &mut [(ValueNumber, Stored)]) -> Result<(), JournalError> {
     let folder = run.join(VALUES_FOLDER);
     let mut any = false;

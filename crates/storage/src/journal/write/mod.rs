@@ -1,5 +1,5 @@
-//! The journal of an active run: its only writer. Events are appended under the lock of the caller that makes them, and
-//! another thread commits them later. Knows the order of the steps; has no thread and no clock.
+//! Journal of an active run, for its only writer. Callers append events under their own lock, and another thread commits them
+//! later. Defines the order of the steps; has no thread and no clock.
 
 mod blank;
 mod committer;
@@ -24,17 +24,17 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The default size beyond which old detail is dropped.
+/// Default size above which old detail is deleted.
 pub const SIZE_MAX: u64 = 2 << 30;
-/// The default size of the recorder.
+/// Default size of the recorder.
 pub const RECORDER_BYTES: usize = 16 << 20;
 
-/// How a journal is written.
+/// Options for writing a journal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Options {
-    /// The size, in bytes, beyond which old detail is dropped.
+    /// Size in bytes above which old detail is deleted.
     pub size_max: u64,
-    /// The size of the recorder in bytes: it holds the events between two commits.
+    /// Size of the recorder in bytes. It holds the events between two commits.
     pub recorder_bytes: usize,
 }
 
@@ -44,7 +44,7 @@ impl Default for Options {
     }
 }
 
-/// The journal of an active run.
+/// Journal of an active run.
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
@@ -52,41 +52,41 @@ pub struct Journal {
     committer: Mutex<Committer>,
     roots: Mutex<Roots>,
     disk_safe: AtomicU64,
-    /// The last field, so that it is released last.
+    /// Declared last, so that it is released last.
     _lock: RunLock,
 }
 
-/// What a commit did.
+/// Result of a commit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Committed {
     /// Number of the last event that survives a power cut.
     pub sequence: u64,
-    /// This commit dropped the detail before this event; to be reported as [`rafcon_protocol::Event::Thinned`].
+    /// First event with full detail, if this commit deleted older detail. Report it as [`rafcon_protocol::Event::Thinned`].
     pub thinned: Option<u64>,
 }
 
-/// The state of a run that is resumed.
+/// State of a run that is resumed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResumePoint {
-    /// The description of the run.
+    /// Description of the run.
     pub about: About,
     /// Number of its last event.
     pub sequence: u64,
     /// Time of its last event.
     pub t_ns: u64,
-    /// The next value's number.
+    /// Number of the next value.
     pub next_value: ValueNumber,
     /// All defined places, by their latest definitions.
     pub places: Vec<(PlaceNumber, Place)>,
-    /// The number of runners so far, including this one.
+    /// Number of runners, including this one.
     pub life: u32,
-    /// Messages about events of the previous runner that cannot be read.
+    /// Message about unreadable events of the previous runner.
     pub lost: Option<String>,
 }
 
 impl Journal {
-    /// Begins the journal of a new run in `folder`, and creates the folder if necessary. Replaces a journal without events:
-    /// its runner died before the first one.
+    /// Creates the journal of a new run in `folder`, and the folder if necessary. Replaces a journal without events, whose runner
+    /// died before the first one.
     pub fn create(folder: &Path, about: &About, options: &Options) -> Result<Self, JournalError> {
         make_folder(folder)?;
         let lock = RunLock::take(folder)?;
@@ -103,7 +103,7 @@ impl Journal {
         Ok(Self::new(lock, recorder, committer, folder))
     }
 
-    /// Discards the journal of a run that was refused before its first event. Append nothing after this.
+    /// Discards the journal of a run that was refused before its first event. Nothing may be appended after this.
     pub fn discard(&self) -> Result<(), JournalError> {
         discard(&self.folder)
     }
@@ -131,23 +131,23 @@ impl Journal {
         Self { folder: folder.to_owned(), recorder, committer, roots, disk_safe, _lock: lock }
     }
 
-    /// The run's folder.
+    /// Returns the folder of the run.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Number of the last appended event: it survives the end of this process.
+    /// Returns the number of the last appended event. It survives the end of this process.
     pub fn sequence(&self) -> u64 {
         self.recorder.lock().sequence()
     }
 
-    /// Number of the last event that survives a power cut.
+    /// Returns the number of the last event that survives a power cut.
     pub fn disk_safe(&self) -> u64 {
         self.disk_safe.load(Ordering::Acquire)
     }
 
-    /// Appends a batch as a whole or not at all, and returns the number of its last event. Writes to memory only, unless the
-    /// batch is larger than a part of the recorder.
+    /// Appends a batch completely or not at all, and returns the number of its last event. Writes to memory only, unless the batch
+    /// is larger than a part of the recorder.
     pub fn append(&self, batch: &Batch) -> Result<u64, Full> {
         self.recorder.lock().append(batch)
     }
@@ -175,15 +175,14 @@ impl Journal {
         self.roots.lock().keep(pack, &self.committer, |committer| &mut committer.database)
     }
 
-    /// Commits the remaining events and removes the files that only an active run needs. The journal can still be read and
-    /// resumed.
+    /// Commits the remaining events and removes the files that only an active run needs. The journal can still be read and resumed.
     pub fn close(self) -> Result<Committed, JournalError> {
         self.close_with(|_| ())
     }
 
-    /// The same for a run that is hardly ever resumed: its folder stays as small as it is, also when it is read.
+    /// Closes a run that is unlikely to be resumed. Its folder does not grow, even when it is read.
     pub fn close_for_long(self) -> Result<Committed, JournalError> {
-        // While somebody reads, the database stays as it is.
+        // The database is not changed while it has readers.
         self.close_with(|database| drop(database.leave_log()))
     }
 

@@ -1,4 +1,4 @@
-//! Which runs are deleted to make room, and how. Knows folders of runs; has no clock.
+//! Deletion of runs to free disk space. Handles folders of runs; has no clock.
 
 use crate::journal::folder::{About, Doing, GONE, JournalError, RunLock, writer_of};
 use crate::journal::read::{run_folders, size_of};
@@ -7,16 +7,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Which runs are kept. The newest runs stay whatever their size, and so does every active run.
+/// Retention limits for runs. The newest runs are kept whatever their size, and so are all active runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Retention {
-    /// The number of runs.
+    /// Maximum number of runs.
     pub count: usize,
-    /// The maximum age.
+    /// Maximum age of a run.
     pub age: Option<Duration>,
-    /// The total size in bytes.
+    /// Maximum total size in bytes.
     pub bytes: u64,
-    /// How many of the newest runs always stay.
+    /// Number of newest runs that are always kept.
     pub newest: usize,
 }
 
@@ -26,16 +26,16 @@ impl Default for Retention {
     }
 }
 
-/// A run that was deleted.
+/// A run that was deleted by the retention limits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pruned {
-    /// The name of its folder.
+    /// Name of the run's folder.
     pub id: String,
-    /// Its size in bytes.
+    /// Size that it had on disk, in bytes.
     pub bytes: u64,
 }
 
-/// What the choice depends on.
+/// Facts about a run that determine whether it is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Run {
     started_ms: u64,
@@ -44,7 +44,7 @@ struct Run {
 }
 
 impl Retention {
-    /// Deletes the runs in `folder` that are not kept at the time `now_ms` (since 1970).
+    /// Deletes the runs in `folder` that exceed the limits at the time `now_ms` (since 1970).
     pub fn prune(&self, folder: &Path, now_ms: u64) -> Result<Vec<Pruned>, JournalError> {
         remove_leftovers(folder);
         let folders = run_folders(folder)?;
@@ -62,7 +62,7 @@ impl Retention {
         Ok(pruned)
     }
 
-    /// Selects the runs to delete from a list that begins with the oldest.
+    /// Selects the runs to delete from a list sorted from old to new.
     fn doomed(&self, runs: &[Run], now_ms: u64) -> Vec<usize> {
         let mut count = runs.len();
         let mut bytes: u64 = runs.iter().map(|run| run.bytes).sum();
@@ -90,19 +90,19 @@ fn look_at(folder: &Path) -> Run {
         // A run without a start time does not count as old.
         started_ms: About::read(folder).map_or(u64::MAX, |about| about.started_ms),
         bytes: size_of(folder),
-        // A run whose lock cannot be checked stays.
+        // A run whose lock cannot be checked is kept.
         is_live: writer_of(folder).map_or(true, |process| process.is_some()),
     }
 }
 
-/// Deletes a run that is not active; `None` if the folder holds none.
+/// Deletes a run that is not active. `None` if the folder contains no run.
 pub fn remove(folder: &Path) -> Result<Option<Pruned>, JournalError> {
     let bytes = size_of(folder);
     Ok(delete(folder)?.map(|id| Pruned { id, bytes }))
 }
 
-/// Deletes the folder of a run. Renames it first, so that half a run is never visible. `None` if it is gone already.
-/// The run cannot be resumed meanwhile.
+/// Deletes the folder of a run. Renames it first, so that a half-deleted run is never visible. The run cannot be resumed meanwhile.
+/// `None` if the folder no longer exists.
 fn delete(folder: &Path) -> Result<Option<String>, JournalError> {
     let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let gone = folder.with_file_name(format!("{id}{GONE}"));
@@ -125,7 +125,7 @@ fn remove_leftovers(folder: &Path) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let gone = |path: &PathBuf| path.to_string_lossy().ends_with(GONE);
     for path in entries.map(|entry| entry.path()).filter(gone) {
-        // The next call tries again.
+        // The next call retries.
         drop(fs::remove_dir_all(path));
     }
 }

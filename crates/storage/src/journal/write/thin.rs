@@ -1,5 +1,5 @@
-//! Keeps a journal within its size while its run is active: drops a little old detail with every commit. First values and
-//! log texts of old events go, then the events themselves. Knows the tables.
+//! Limits the size of a journal while its run is active: each commit deletes some old detail. Values and log texts of old events
+//! are deleted first, then the events themselves. Handles the tables of the database.
 
 use crate::journal::folder::{JournalError, VALUES_FOLDER};
 use crate::journal::moment::{values_in, without_values};
@@ -10,36 +10,36 @@ use rusqlite::{Connection, OptionalExtension as _, Statement, Transaction, param
 use std::fs;
 use std::path::Path;
 
-/// The maximum size of rewritten rows in one commit, in bytes.
+/// Maximum size of rewritten rows in one commit, in bytes.
 const SLICE_BYTES: usize = 2 << 20;
-/// The maximum number of examined values or rows in one commit.
+/// Maximum number of examined values or rows in one commit.
 const SLICE_ROWS: i64 = 10_000;
 
-/// What is being dropped.
+/// Deletion in progress.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Work {
-    /// Nothing.
+    /// No deletion is in progress.
     #[default]
     None,
-    /// Detail of events up to `until`; done up to `at`.
+    /// Detail of events up to `until`. Completed up to `at`.
     Detail { until: i64, at: i64 },
-    /// Values that no event after `until` uses; done below `at`.
+    /// Values that no event after `until` uses. Completed below `at`.
     Values { until: i64, at: i64, end: i64 },
     /// Events before `before`.
     Events { before: i64 },
 }
 
-/// Drops old detail when the journal is too large.
+/// Deletes old detail when the journal is too large.
 #[derive(Debug)]
 pub(in crate::journal) struct DetailPruner {
     size_max: u64,
     work: Work,
-    /// The last event without detail.
+    /// Last event without detail.
     border: i64,
     checked: Checked,
 }
 
-/// The result of one slice.
+/// Result of one slice of work.
 #[derive(Debug, Default)]
 struct Slice {
     next: Work,
@@ -62,7 +62,7 @@ impl DetailPruner {
         Ok(Self { size_max, work: Work::None, border, checked })
     }
 
-    /// Drops a little if the journal is too large. Returns the first event that still has its detail, if that changed.
+    /// Deletes some detail if the journal is too large. Returns the first event with full detail, if that changed.
     pub(in crate::journal) fn thin(
         &mut self,
         database: &mut Database,
@@ -87,7 +87,7 @@ impl DetailPruner {
     }
 }
 
-/// The size of the journal in bytes, without free pages.
+/// Returns the size of the journal in bytes, without free pages.
 fn size(connection: &mut Connection) -> rusqlite::Result<u64> {
     let number = |query: &str| connection.query_row(query, [], |row| row.get::<_, i64>(0));
     let pages =
@@ -97,7 +97,7 @@ fn size(connection: &mut Connection) -> rusqlite::Result<u64> {
     Ok((pages * page + large).cast_unsigned())
 }
 
-/// Chooses what to drop: the detail of the older half of the detailed events, or else the older half of the other events.
+/// Selects what to delete: the detail of the older half of the detailed events, or else the older half of the other events.
 fn choose(connection: &Connection, border: i64) -> rusqlite::Result<Work> {
     let middle = |condition: &str| {
         let query = format!(
@@ -133,7 +133,7 @@ fn slice(
     Ok(slice)
 }
 
-/// Rewrites some rows without detail. A damaged row stays as it is.
+/// Rewrites some rows without detail. Damaged rows are not changed.
 fn detail(
     transaction: &Transaction<'_>,
     until: i64,
@@ -173,7 +173,7 @@ fn detail(
     keyframes(transaction, until, border)
 }
 
-/// Rewrites the keyframes before `until`, and notes the values that the keyframe at `until` uses.
+/// Rewrites the keyframes before `until`, and records the values that the keyframe at `until` uses.
 fn keyframes(transaction: &Transaction<'_>, until: i64, border: i64) -> rusqlite::Result<Slice> {
     let mut old = transaction.prepare(
         "SELECT sequence, next_value, data, sum FROM keyframes WHERE sequence BETWEEN ?1 AND ?2",
@@ -214,7 +214,7 @@ fn keyframes(transaction: &Transaction<'_>, until: i64, border: i64) -> rusqlite
     Ok(Slice { next: Work::Values { until, at, end }, ..Slice::default() })
 }
 
-/// Drops some values that are not used after `until`.
+/// Deletes some values that are not used after `until`.
 fn values(transaction: &Transaction<'_>, until: i64, at: i64, end: i64) -> rusqlite::Result<Slice> {
     let stop = end.min(at + SLICE_ROWS);
     let fresh = "SELECT number FROM vals WHERE number >= ?1 AND number < ?2
@@ -241,7 +241,7 @@ fn values(transaction: &Transaction<'_>, until: i64, at: i64, end: i64) -> rusql
     Ok(Slice { next: Work::None, files, finished: Some(until) })
 }
 
-/// Drops some of the oldest events.
+/// Deletes some of the oldest events.
 fn events(transaction: &Transaction<'_>, before: i64) -> rusqlite::Result<Slice> {
     let delete = "DELETE FROM blocks WHERE first IN
         (SELECT first FROM blocks WHERE first + count <= ?1 ORDER BY first LIMIT ?2)";
@@ -251,7 +251,7 @@ fn events(transaction: &Transaction<'_>, before: i64) -> rusqlite::Result<Slice>
     Ok(Slice { next: if more { Work::Events { before } } else { Work::None }, ..Slice::default() })
 }
 
-/// The items of a row, the first `count` of them without detail. Skips what cannot be read.
+/// Returns the items of a row, the first `count` of them without detail. Skips unreadable items.
 fn thinned(data: &[u8], t_before: u64, count: i64) -> Vec<u8> {
     let (mut out, mut before) = (Vec::new(), t_before);
     let items = Items::new(data, t_before).map_while(Result::ok);
@@ -266,7 +266,7 @@ fn thinned(data: &[u8], t_before: u64, count: i64) -> Vec<u8> {
     out
 }
 
-/// Removes values one after the other.
+/// Deletes values one after the other.
 #[derive(Debug)]
 struct Forgetting<'t> {
     value: Statement<'t>,
@@ -291,7 +291,7 @@ impl<'t> Forgetting<'t> {
         })
     }
 
-    /// Removes the value with this number.
+    /// Deletes the value with this number.
     fn value(&mut self, number: i64) -> rusqlite::Result<()> {
         let row = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, row.get(1)?));
         let value = self.value.query_row([number], row).optional()?;

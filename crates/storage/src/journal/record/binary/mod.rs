@@ -25,7 +25,7 @@ const PLACE: u8 = 8;
 const VALUE: u8 = 9;
 const WENT_BACK: u8 = 10;
 
-/// For so many items of a list at most there is room before they are read: a length can be wrong.
+/// Maximum number of list items for which memory is reserved in advance, because a length can be wrong.
 const LIST_RESERVED: usize = 64;
 
 const LEVELS: [LogLevel; 5] =
@@ -34,7 +34,7 @@ const STREAMS: [Stream; 4] = [Stream::Stdout, Stream::Stderr, Stream::Logger, St
 
 /// The bytes are not an item.
 ///
-/// One pointer: so results that are numbers stay in registers, and journals are read faster.
+/// The error is one pointer, so that numeric results stay in registers and journals are read faster.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("not an item of a journal, {} bytes before the end: {}", .0.rest, .0.what)]
 pub struct Broken(Box<Wrong>);
@@ -49,7 +49,7 @@ struct Wrong {
 #[derive(Debug)]
 pub(in crate::journal) enum Sent<'b> {
     Place(PlaceNumber, Place),
-    /// A value as [`Stored::to_bytes`] writes it.
+    /// An encoded value from [`Stored::to_bytes`].
     Value(ValueNumber, &'b [u8]),
     Record(u64, Record),
 }
@@ -65,7 +65,7 @@ impl<'b> BinaryReader<'b> {
         Self { bytes, skips_values: false }
     }
 
-    /// Leaves out the values of ports and variables, as if there were none; errors of states are there.
+    /// Creates a reader that skips the values of ports and variables. Errors of states are read.
     pub(in crate::journal) fn without_values(bytes: &'b [u8]) -> Self {
         Self { bytes, skips_values: true }
     }
@@ -74,7 +74,7 @@ impl<'b> BinaryReader<'b> {
         self.bytes.is_empty()
     }
 
-    /// The next item; `t_ns` is the time of the record before it.
+    /// Reads the next item. `t_ns` is the time of the record before it.
     pub(in crate::journal) fn item(&mut self, t_ns: u64) -> Result<Item, Broken> {
         let tag = self.byte()?;
         Ok(match tag {
@@ -93,7 +93,8 @@ impl<'b> BinaryReader<'b> {
         })
     }
 
-    /// The next record with its time, where no definitions are: by far the most of a journal, and smaller than an item.
+    /// Reads the next record with its time, where no definitions occur. Most of a journal consists of records, which are smaller
+    /// than items.
     pub(in crate::journal) fn next_record(&mut self, t_ns: u64) -> Result<(u64, Record), Broken> {
         let tag = self.byte()?;
         self.timed_record(tag, t_ns)
@@ -104,7 +105,7 @@ impl<'b> BinaryReader<'b> {
         Ok((t_ns, self.record(tag)?))
     }
 
-    /// The next item of a stream; `t_ns` is the time of the record before it. Values stay encoded.
+    /// Reads the next item of a stream. `t_ns` is the time of the record before it. Values remain encoded.
     pub(in crate::journal) fn sent(&mut self, t_ns: u64) -> Result<Sent<'b>, Broken> {
         if self.bytes.first() == Some(&VALUE) {
             self.byte()?;
@@ -125,7 +126,7 @@ impl<'b> BinaryReader<'b> {
         Ok(&from[..from.len() - self.bytes.len()])
     }
 
-    /// The bytes that are not read yet.
+    /// Returns the bytes that have not been read yet.
     pub(in crate::journal) fn rest(&self) -> &'b [u8] {
         self.bytes
     }
@@ -255,7 +256,7 @@ impl<'b> BinaryReader<'b> {
         Ok(list)
     }
 
-    /// The length of a list. Each of its items takes at least one byte, so a broken length cannot request more than the input has.
+    /// Reads the length of a list. Each item has at least one byte, so an invalid length cannot exceed the input.
     fn count(&mut self) -> Result<usize, Broken> {
         let count = self.number()?;
         let fitting = usize::try_from(count).ok().filter(|count| *count <= self.bytes.len());
@@ -322,7 +323,7 @@ impl<'b> BinaryReader<'b> {
 
     #[inline]
     pub(in crate::journal) fn number(&mut self) -> Result<u64, Broken> {
-        // Most numbers are one byte.
+        // Most numbers have one byte.
         let first = self.byte()?;
         if first < 0x80 { Ok(u64::from(first)) } else { self.longer_number(first) }
     }

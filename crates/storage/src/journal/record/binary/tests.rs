@@ -1,4 +1,4 @@
-//! What is written is read as it was; any bytes are read without a panic.
+//! Items survive encoding and decoding. Any bytes are read without a panic.
 
 use super::BinaryReader;
 use crate::journal::record::{
@@ -127,7 +127,7 @@ proptest! {
     }
 }
 
-/// What is left of a record without the values of ports and variables.
+/// Returns a record without the values of ports and variables.
 fn bare(record: Record) -> Record {
     match record {
         Record::Entered { place, undoes, .. } => {

@@ -1,4 +1,4 @@
-//! Items to bytes. Knows the encoding of each part, but not where the bytes go.
+//! Encodes items. Handles the encoding of each part, not the destination of the bytes.
 
 use super::{
     ENTERED, GLOBAL, LEFT, LEVELS, LOG, PERSISTENT, PLACE, SCOPED, STREAMS, TOLD, VALUE, WENT_BACK,
@@ -200,7 +200,7 @@ impl<'o> BinaryWriter<'o> {
         }
     }
 
-    /// A list whose length is known only at its end.
+    /// Writes a list whose length is known only at its end.
     fn values(&mut self, values: impl IntoIterator<Item = impl Borrow<Kept>>) {
         let at = self.out.len();
         self.out.push(0);
@@ -229,7 +229,7 @@ impl<'o> BinaryWriter<'o> {
         }
     }
 
-    /// Writes a value of the protocol as JSON; this cannot fail, because its keys are strings.
+    /// Writes a value of the protocol as JSON. This cannot fail, because its keys are strings.
     fn json(&mut self, value: &impl Serialize) {
         self.bytes(&serde_json::to_vec(value).unwrap_or_default());
     }
