@@ -1,4 +1,4 @@
-//! Turns a machine and its libraries into the files that a save would write. Knows what was packed before, so that unchanged
+//! Converts a machine and its libraries to the files that a save would write. Caches what was packed before, so that unchanged
 //! states are not encoded again.
 
 use crate::config::Naming;
@@ -12,17 +12,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::sync::Arc;
 
-/// Packs the machines of one run.
+/// Packer for the machines of one run.
 #[derive(Debug, Default)]
 pub struct Packer {
-    /// The hashes of a state's files by its address. Holds the state, so that no other gets the address.
+    /// Hashes of a state's files by the address of the state. Holds the state, so that no other state gets the address.
     known: BTreeMap<usize, (Arc<State>, Files)>,
 }
 
 type Files = [Option<Hash>; Part::ALL.len()];
 
 impl Packer {
-    /// Packs a machine that was loaded as `saved` with `libraries`; it may have changed since.
+    /// Packs a machine that was loaded as `saved` with `libraries`, including later changes.
     pub fn pack(
         &mut self,
         machine: &Machine,

@@ -1,12 +1,12 @@
-//! Describes errors of the file system: cause and way out. Knows kinds of errors, not the operations that failed.
+//! Describes errors of the file system: cause and remedy. Uses the kind of error, not the operation that failed.
 
 use std::io::{self, ErrorKind};
 
-/// Errors without a kind of their own.
+/// System error numbers without an [`ErrorKind`].
 const TOO_MANY_FILES: [i32; 2] = [23, 24];
 const BROKEN_DISK: i32 = 5;
 
-/// The cause of an error that came from writing files, if it is known, and the way out.
+/// Returns the cause, if it is known, and the remedy of an error that occurred while writing files.
 pub fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         ErrorKind::StorageFull => "the disk is full: make room on it, or use another folder",

@@ -1,4 +1,4 @@
-//! Finds the folder of a state by its path, also inside libraries. Knows what was loaded, reads nothing.
+//! Finds the folder of a state by its path, also inside libraries. Uses loaded data and reads no files.
 
 use crate::Libraries;
 use crate::files::{Saved, StateFolder};
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Saved {
-    /// The folder of the state at `path` when the machine was loaded; `libraries` are those that it was loaded with. `None`
+    /// Returns the folder of the state at `path` when the machine was loaded. `libraries` are those that it was loaded with. `None`
     /// if there is no such state.
     pub fn folder(&self, path: &StatePath, libraries: &Libraries) -> Option<PathBuf> {
         let (first, rest) = path.0.split_first()?;

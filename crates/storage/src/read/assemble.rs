@@ -1,5 +1,5 @@
-//! Makes a tree of states: orders them, replaces duplicate ids, adds the content of libraries. Knows the model and where each
-//! state was found; reads nothing.
+//! Builds a tree of states: orders them, replaces duplicate ids, adds the content of libraries. Uses the locations of the states
+//! for reports, and reads no files.
 
 use super::file_of;
 use super::library_content::Contents;

@@ -1,7 +1,7 @@
-//! Removes the white space between the parts of a JSON text. Knows strings and brackets, nothing else of JSON.
+//! Removes the white space between the parts of a JSON text. Parses only strings and brackets.
 
-/// Appends `text` without white space outside strings; `None` if brackets do not match or a string does not end, so that
-/// a truncated document is noticed without reading all of it.
+/// Appends `text` without white space outside strings. `None` if brackets do not match or a string does not end, so that a
+/// truncated document is detected without parsing all of it.
 pub(crate) fn compact(text: &str, out: &mut String) -> Option<()> {
     let bytes = text.as_bytes();
     let mut open = 0_usize;

@@ -1,5 +1,5 @@
-//! Checks that all files of a machine may be read before an interrupted save of it is finished, because that moves files.
-//! Knows links and kinds of files, not their content. Files that are only read are checked when they are opened.
+//! Checks that all files of a machine may be read before an interrupted save of it is finished, because that moves files. Checks
+//! links and kinds of files, not their content. Files that are only read are checked when they are opened.
 //!
 //! A link that is created between the check and the save is not detected: it takes write access to the machine's folder.
 

@@ -1,5 +1,5 @@
-//! Decodes a `core_data.json`: one document in, one state without children out. Knows keys and classes of every version,
-//! not where the document came from.
+//! Decodes a `core_data.json`: one document in, one state without children out. Supports the keys and classes of every version,
+//! from any source.
 
 use super::elements::{self, UnmodelledContent};
 use super::library_state;

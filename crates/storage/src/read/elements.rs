@@ -1,4 +1,4 @@
-//! Outcomes, ports, transitions and data flows of a document. Knows their keys in every version.
+//! Decodes outcomes, ports, transitions and data flows of a document. Supports their keys in every version.
 
 use crate::problem::Wrong;
 use rafcon_model::port::Extra;

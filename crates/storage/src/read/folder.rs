@@ -1,5 +1,5 @@
 //! Reads folders and files with few system calls: paths relative to an open folder, kinds of entries from the listing, no `stat`.
-//! Knows bytes, not what they mean.
+//! Returns bytes without interpreting them.
 
 use super::bounds::{Bounds, Unread};
 use rustix::fd::{AsFd, OwnedFd};

@@ -1,5 +1,5 @@
-//! Adds the content of a library to its instance: outcomes and ports of its root, or those that the instance implies if the
-//! library is missing. Knows the model; [`Libraries`] finds the library.
+//! Adds the content of a library to its instance: outcomes and ports of its root, or those that the instance implies if the library
+//! is missing. [`Libraries`] finds the library.
 
 use super::library_label;
 use crate::libraries::{Libraries, Loading, ReadLibrary};

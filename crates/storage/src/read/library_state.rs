@@ -1,5 +1,4 @@
-//! Decodes a library instance, in the current and the older form. Knows the reference, not the
-//! content of the library.
+//! Decodes a library instance, in the current and the older form. Handles the reference, not the content of the library.
 
 use super::decode::{Decoder, wrong_type};
 use super::elements::{UnmodelledContent, port};

@@ -1,4 +1,4 @@
-//! A queue of work that creates more work, shared by threads until none is left. Does not know what the work is.
+//! Queue of work that creates more work, shared by threads until it is empty.
 
 use parking_lot::{Condvar, Mutex};
 

@@ -1,5 +1,4 @@
-//! Reads all folders of a machine with several threads. Knows which files a state has and where its children are; makes no
-//! tree of them.
+//! Reads all folders of a machine with several threads. Finds the files and the children of each state, but does not build a tree.
 
 use super::bounds::{Bounds, Unread};
 use super::folder::{self, FileReader, FolderEntry};

@@ -1,5 +1,5 @@
-//! Carries out a plan so that a kill at any moment leaves the old or the new machine: prepare in a separate folder, sync, list
-//! the last steps, do them. Knows files, nothing of machines.
+//! Executes a plan so that a kill at any moment leaves the old or the new machine: prepare in a separate folder, sync, list the
+//! last steps, execute them. Handles files, not machines.
 
 use super::disk::Disk;
 use super::manifest::SaveManifest;

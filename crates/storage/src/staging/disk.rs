@@ -1,5 +1,5 @@
-//! The operations of a save on a disk, behind a trait, so that tests can stop it at any of them.
-//! Knows paths and bytes, nothing of machines.
+//! Operations of a save on a disk, behind a trait, so that tests can stop a save at any of them. Handles paths and bytes, not
+//! machines.
 
 use rustix::fs::syncfs;
 use std::ffi::OsString;

@@ -1,5 +1,5 @@
-//! Encodes a state as `core_data.json` and the machine as `statemachine.json`: exactly the keys that the reference reads, and
-//! the unknown keys of the file. Knows no files.
+//! Encodes a state as `core_data.json` and the machine as `statemachine.json`: exactly the keys that the reference reads, and the
+//! unknown keys of the file. Writes no files.
 
 use rafcon_model::{
     Container, DataFlow, Header, Json, Kind, Library, Outcome, OutcomeId, Port, Ports,
@@ -189,7 +189,7 @@ fn flags(values: &RuntimeValues) -> Json {
     map(values.iter().map(|(port, value)| (port.0, Json::Bool(value.used))))
 }
 
-/// The text of a `semantic_data.json` or `meta_data.json`; text that is not JSON stays as it is.
+/// The text of a `semantic_data.json` or `meta_data.json`. Text that is not JSON is not changed.
 pub(crate) fn document(text: &str) -> String {
     json::parse(text).map_or_else(|_| text.to_owned(), |document| json::write(&document))
 }

@@ -1,4 +1,4 @@
-//! The content of each file of a state. Knows the state and the bytes that it was read from, no folders.
+//! Content of each file of a state, from the state and the bytes that it was read from. Does not determine folders.
 
 use super::encode;
 use crate::files::{Part, Saved, StateFolder};

@@ -1,6 +1,6 @@
 //! Compares two runs: where they diverge, which data differed before, and how their times differ.
 //!
-//! Knows journals. Compares concurrent branches separately, because their relative order has no meaning.
+//! Compares concurrent branches separately, because their relative order has no meaning.
 
 mod data;
 mod digest;

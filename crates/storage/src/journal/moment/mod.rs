@@ -59,7 +59,7 @@ impl Moment {
         Self { places, ..Self::default() }
     }
 
-    /// Applies a definition of a place or value.
+    /// Applies the definition of a place. Definitions of values have no effect.
     pub fn define(&mut self, definition: &Definition) {
         match definition {
             Definition::Place(number, place) => self.places.define(*number, place.clone()),
@@ -233,7 +233,7 @@ impl Moment {
         self.active.get_mut(&self.places.parent(place)?)
     }
 
-    /// Preempts a state and all active states in it, except its handlers, which were entered at that time.
+    /// Marks a state and all active states in it as preempted, except its handlers, which were entered at that time.
     fn preempt(&mut self, path: &str) {
         let Some(top) = self.places.number(path) else { return };
         let is_below = |place: PlaceNumber, places: &Places| {

@@ -84,7 +84,7 @@ impl Tracker {
         Ok(())
     }
 
-    /// Applies a definition of a place or value.
+    /// Processes a definition of a place or value.
     fn define(&mut self, definition: &Definition) {
         if let Definition::Value(number, stored) = definition {
             self.next_value = self.next_value.max(ValueNumber(number.0 + 1));

@@ -10,7 +10,7 @@ use rafcon_protocol::{
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Number of recent commands that are stored with their answers.
+/// Number of commands, the newest ones, that are stored with their answers.
 pub const ANSWERS_MAX: usize = 1024;
 
 /// Status of the whole run at a moment.
@@ -40,7 +40,7 @@ pub struct Whole {
     /// Silence of the ground. `None` if the run has no ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub silence: Option<GroundSilence>,
-    /// Recent commands by id, with their answers. No runner executes them again.
+    /// Newest commands by id, each with its answer. No runner executes them again.
     #[serde(default, skip_serializing_if = "VecDeque::is_empty")]
     pub answers: VecDeque<(String, Answer)>,
 }

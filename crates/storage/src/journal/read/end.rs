@@ -8,13 +8,14 @@ use rafcon_protocol::Event;
 use std::time::Duration;
 
 impl Reader {
-    /// Time and event of the end. `None` if the run has not ended, or was resumed after its end.
+    /// Returns time and event of the end. `None` if the run has not ended, or was resumed after its end.
     pub fn last_end(&self) -> Result<Option<(Duration, Event)>, JournalError> {
         let tail = self.tail()?;
         Ok(end_in(&tail).map(|(t_ns, event)| (Duration::from_nanos(t_ns), event.clone())))
     }
 
-    /// All values at the end that are here: from their file, else from the event. `None` if there is no end. A replica has no file, so
+    /// Returns the final values: from their file if it exists, or else from the event. `None` without an end. A replica has no
+    /// file, so its long values are views.
     /// that long values are views.
     pub fn results(&self) -> Result<Option<EndValues>, JournalError> {
         let Some((_, Event::Finished { outputs, globals, scoped_variables, .. })) =
@@ -27,7 +28,7 @@ impl Reader {
     }
 }
 
-/// Time and event of the end among the last events of a run.
+/// Returns time and event of the end, if it is among the last events of a run.
 pub(super) fn end_in(tail: &[Entry]) -> Option<(u64, &Event)> {
     let mut events = tail.iter().rev().filter_map(|entry| match &entry.record {
         Record::Told(event) => Some((entry.t_ns, &**event)),

@@ -1,4 +1,4 @@
-//! Records of an open journal as events of the protocol. Knows the reader; `protocol.rs` makes the events.
+//! Converts records of an open journal to events of the protocol, by means of `protocol.rs`.
 
 use super::filter::place_of;
 use super::{Entry, Reader};
@@ -29,12 +29,12 @@ fn named(name: &str, value: &Kept) -> Option<(String, ValueNumber)> {
 }
 
 impl Reader {
-    /// An entry as an event of the protocol. Without `values`, the event has no inputs and outputs, and a short error.
+    /// Converts an entry to an event of the protocol. Without `values`, the event has no inputs and outputs, and a short error.
     pub fn event(&self, entry: &Entry, values: bool) -> Result<Event, JournalError> {
         tell(entry.record.clone(), self, values)
     }
 
-    /// The numbers of the values in an event, each with the name of its port or variable; an error has the name `error`.
+    /// Returns the numbers of the values in an event, each with the name of its port or variable. The name of an error is `error`.
     pub fn named_values(&self, entry: &Entry) -> Vec<(String, ValueNumber)> {
         let place = place_of(&entry.record).and_then(|place| self.places.get(place));
         let ports = |ports: fn(&Place) -> &[(u64, SmolStr)], values: &[Kept]| {
@@ -58,7 +58,7 @@ impl Reader {
         }
     }
 
-    /// A value as a reader sees it.
+    /// Returns a value in the form that readers receive.
     pub fn view(&self, kept: &Kept) -> Result<Value, JournalError> {
         view(kept, self)
     }

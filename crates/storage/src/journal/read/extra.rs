@@ -1,4 +1,4 @@
-//! What a dead runner left in its recorder after the last event of the database, in the form of rows of the database.
+//! Events that a dead runner left in its recorder after the last event of the database, as rows of the database.
 
 use super::Defined;
 use super::source::Row;
@@ -15,7 +15,7 @@ pub(super) struct Extra {
     places: Vec<Defined>,
     values: BTreeMap<ValueNumber, Stored>,
     last_sequence: u64,
-    /// The marks of the recorder about the end of the journal.
+    /// Marks of the recorder about the end of the journal.
     pub(super) marks: Marks,
 }
 

@@ -1,26 +1,26 @@
-//! Selects events of a run. Knows records and their names, but not how they are shown.
+//! Selects events of a run. Handles records and their names, not their display.
 
 use super::{Entry, damaged};
 use crate::journal::record::{Place, PlaceNumber, Places, Record};
 use rafcon_protocol::{Event, LogLevel};
 use std::collections::BTreeMap;
 
-/// The conditions of a search; by default every event matches.
+/// Conditions of a search. By default every event matches.
 #[derive(Debug, Clone, Default)]
 pub struct Filter {
-    /// States whose path of ids or names contains this text; with `*` or `?`, the whole path must match.
+    /// Text in the state's path of ids or names. With `*` or `?`, a pattern for the whole path.
     pub state: Option<String>,
-    /// Ends of states with this outcome, by name or id.
+    /// Outcome of a state's end, by name or id.
     pub outcome: Option<String>,
-    /// Events that contain this text, in any case.
+    /// Text in the event, in any case.
     pub text: Option<String>,
-    /// Kinds of events by their names in the protocol; empty means all.
+    /// Kinds of events by their names in the protocol. Empty for all.
     pub kinds: Vec<String>,
-    /// Lines of the log of at least this level, and no other lines.
+    /// Lowest severity of log lines. Excludes all other events.
     pub level: Option<LogLevel>,
-    /// Events from this time on, in ns since the start of the run.
+    /// Earliest time, in ns since the start of the run.
     pub from_ns: Option<u64>,
-    /// Events up to this time.
+    /// Latest time, in ns since the start of the run.
     pub to_ns: Option<u64>,
 }
 
@@ -39,7 +39,7 @@ impl Filter {
         FilterState { filter: self, text, states: BTreeMap::new() }
     }
 
-    /// Whether no event after this time matches.
+    /// Returns true if no event after this time matches.
     pub fn is_past(&self, t_ns: u64) -> bool {
         self.to_ns.is_some_and(|to| t_ns > to)
     }
@@ -50,7 +50,7 @@ impl Filter {
 }
 
 impl FilterState<'_> {
-    /// Whether the event may match, without looking at its values.
+    /// Returns true if the event may match. Its values are not examined.
     pub fn lets_through(&mut self, entry: &Entry, places: &Places) -> bool {
         let filter = self.filter;
         // A damaged range may contain matching events.
@@ -65,7 +65,7 @@ impl FilterState<'_> {
             && self.fits_state(&entry.record, places)
     }
 
-    /// Whether the state's names or any text of the event contain the wanted text.
+    /// Returns true if the state's names or any text of the event contain the filter's text.
     pub fn has_text(&self, event: &Event, names: &str) -> bool {
         let Some(wanted) = &self.text else { return true };
         if matches!(event, Event::Damaged { .. }) {
@@ -120,7 +120,7 @@ fn outcome_name(place: Option<&std::sync::Arc<Place>>, id: i64) -> String {
     super::outcome_of(place.map(|place| &**place), id).name
 }
 
-/// The place in a record.
+/// Returns the place in a record.
 pub fn place_of(record: &Record) -> Option<PlaceNumber> {
     match record {
         Record::Entered { place, .. }
@@ -132,7 +132,7 @@ pub fn place_of(record: &Record) -> Option<PlaceNumber> {
     }
 }
 
-/// The path in an event; empty if it has none.
+/// Returns the path in an event. Empty if it has none.
 pub fn path_of(event: &Event) -> &str {
     match event {
         Event::Entered { path, .. }
@@ -155,7 +155,7 @@ pub fn path_of(event: &Event) -> &str {
     }
 }
 
-/// The protocol's name of the kind of a record.
+/// Returns the protocol's name of a record's kind.
 pub fn kind(record: &Record) -> &'static str {
     match record {
         Record::Entered { .. } => "entered",
@@ -202,7 +202,7 @@ pub const KINDS: [&str; 29] = [
     "finished",
 ];
 
-/// The protocol's name of the kind of an event.
+/// Returns the protocol's name of an event's kind.
 pub fn kind_of(event: &Event) -> &'static str {
     match event {
         Event::Entered { .. } => "entered",
@@ -237,7 +237,7 @@ pub fn kind_of(event: &Event) -> &'static str {
     }
 }
 
-/// Whether a pattern matches a part of the text, or with `*` and `?` the whole text.
+/// Returns true if a pattern matches a part of the text, or with `*` and `?` the whole text.
 fn fits(pattern: &str, text: &str) -> bool {
     let (pattern, text) = (pattern.to_lowercase(), text.to_lowercase());
     if !pattern.contains(['*', '?']) {
@@ -245,7 +245,7 @@ fn fits(pattern: &str, text: &str) -> bool {
     }
     let (pattern, text): (Vec<char>, Vec<char>) =
         (pattern.chars().collect(), text.chars().collect());
-    // Where to continue if the rest of the pattern after the last star does not match.
+    // `again`: the position for the next attempt if the pattern after the last star does not match.
     let (mut at, mut read, mut again) = (0, 0, None);
     while read < text.len() {
         match pattern.get(at) {

@@ -1,6 +1,6 @@
 //! Searches events of a run, from any event on, and returns each with the names of its state and its duration.
 //!
-//! Knows journals. Does not know how events are shown.
+//! Handles journals, not the display of events.
 
 use super::filter::{Filter, FilterState, path_of, place_of};
 use super::{Entry, Reader, damaged};
@@ -11,63 +11,63 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// The events to search for, and the range.
+/// Events to search for, and the range.
 #[derive(Debug, Clone, Copy)]
 pub struct Search<'f> {
-    /// The conditions.
+    /// Conditions of the search.
     pub filter: &'f Filter,
-    /// The number of the first event to examine.
+    /// Number of the first event to examine.
     pub from: u64,
-    /// The maximum number of events to examine.
+    /// Maximum number of events to examine.
     pub look: u64,
-    /// Whether to include inputs and outputs of states, whole errors, and events that only carry a value.
+    /// True to include inputs, outputs and complete errors of states, and events that only carry a value.
     pub values: bool,
 }
 
-/// How many events are read before they are passed to a consumer, which may be slow.
+/// Number of events that are read before they are passed to a consumer, which may be slow.
 const PAGE: usize = 4096;
 
-/// How far a search got.
+/// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Looked {
-    /// The number of the first event that was not examined.
+    /// Number of the first event that was not examined.
     pub next: u64,
-    /// Whether no later event can match: all are after the filter's end time.
+    /// True if no later event can match, because all are after the filter's end time.
     pub is_past: bool,
 }
 
 /// An event that matches.
 #[derive(Debug, Clone)]
 pub struct Found {
-    /// Its number.
+    /// Number of the event.
     pub sequence: u64,
     /// Time since the start of the run, in ns.
     pub t_ns: u64,
-    /// What happened.
+    /// Event with its details.
     pub event: Event,
-    /// The names of its state; empty if it has none.
+    /// Names of the event's state and its ancestors. Empty if the event has no state.
     pub names: String,
-    /// The name of the state before which the run is held, if it is held.
+    /// Name of the next state, if the run is held before one.
     pub next: Option<String>,
-    /// The duration of a state that ended, if its entry lies in the searched range.
+    /// Duration of a state that ended, if its entry is in the searched range.
     pub lasted: Option<Duration>,
 }
 
 impl Found {
-    /// When it happened.
+    /// Returns the time of the event.
     pub fn time(&self) -> Duration {
         Duration::from_nanos(self.t_ns)
     }
 }
 
-/// Whether an event only carries a value.
+/// Returns true if an event only carries a value.
 pub fn is_about_values(record: &Record) -> bool {
     matches!(record, Record::Scoped { .. } | Record::Global { .. } | Record::Persistent { .. })
 }
 
 impl Reader {
-    /// Passes all matching events of the run so far to `show`, with values. However long that takes, nothing of the journal is
-    /// locked meanwhile, so that a runner can compact it.
+    /// Passes all matching events of the run to `show`, with values. The journal is not locked while `show` runs, so that a runner
+    /// can compact it.
     pub fn find_all<E: From<JournalError>>(
         &mut self,
         filter: &Filter,
@@ -88,7 +88,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Passes matching events to `show` until it breaks, and returns how far the search got.
+    /// Passes matching events to `show` until it breaks. Returns the progress of the search.
     pub fn search<E: From<JournalError>>(
         &mut self,
         search: &Search<'_>,
@@ -183,19 +183,19 @@ fn found(
     Ok(Found { sequence: entry.sequence, t_ns: entry.t_ns, event, names, next, lasted })
 }
 
-/// The name of a state; its id if it was never entered.
+/// Returns the name of a state, or its id if it was never entered.
 fn name_of(reader: &Reader, path: &str) -> String {
     let places = reader.known_places();
     let names = places.number(path).and_then(|place| places.get(place)).map(|place| &*place.names);
     names.unwrap_or(path).rsplit('/').next().unwrap_or_default().to_owned()
 }
 
-/// When active states were entered.
+/// Entry times of active states.
 #[derive(Debug, Default)]
 struct Entered(BTreeMap<PlaceNumber, u64>);
 
 impl Entered {
-    /// The duration of the state that ends.
+    /// Returns the duration of the state that ends.
     fn lasted(&mut self, entry: &Entry) -> Option<Duration> {
         match entry.record {
             Record::Entered { place, .. } => {
@@ -205,7 +205,7 @@ impl Entered {
             Record::Left { place, .. } => {
                 Some(Duration::from_nanos(entry.t_ns.saturating_sub(self.0.remove(&place)?)))
             }
-            // The state may have ended and begun again.
+            // The state may have ended and started again.
             _ if damaged(&entry.record).is_some() => {
                 self.0.clear();
                 None

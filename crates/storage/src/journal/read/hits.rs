@@ -1,5 +1,5 @@
-//! What a search in the page finds: entries of states by their names, ends by their outcomes, lines of the log by their text. Each name
-//! is compared once, so that a long run is searched as fast as it is read.
+//! Search in the page: entries of states by their names, ends by their outcomes, lines of the log by their text. Each name is
+//! compared once, so that searching a long run takes no longer than reading it.
 
 use super::{Entry, Looked, Reader, outcome_of};
 use crate::journal::folder::JournalError;
@@ -7,7 +7,7 @@ use crate::journal::record::{PlaceNumber, Record};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// A text in lower case, and where it is known to be.
+/// A text in lower case, and cached results of its comparison.
 #[derive(Debug)]
 struct Wanted {
     text: String,
@@ -16,7 +16,7 @@ struct Wanted {
 }
 
 impl Reader {
-    /// At most `count` hits among `look` events from number `from` on, and how far was looked.
+    /// Returns at most `count` hits among `look` events from number `from` on, and the progress of the search.
     pub fn hits(
         &mut self,
         text: &str,

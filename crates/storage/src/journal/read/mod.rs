@@ -1,6 +1,6 @@
-//! Reads the journal of a run that is active, has ended or died: event by event, or the state of the run after any of them.
+//! Reads the journal of a run that is active, ended or died: event by event, or the state of the run after any of them.
 //!
-//! Knows what a journal holds. Writes nothing, and does not disturb an active run.
+//! Writes nothing, and does not disturb an active run.
 
 mod filter;
 mod found;
@@ -42,17 +42,17 @@ use std::ops::{ControlFlow, RangeInclusive};
 use std::path::{Path, PathBuf};
 use way::Values;
 
-/// How many rows count as the end of a journal.
+/// Number of rows that count as the end of a journal.
 const TAIL_ROWS: u64 = 4;
 
 /// One event of a journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// Its number; the first is 1.
+    /// Number of the event, counted from 1.
     pub sequence: u64,
     /// Time since the start of the run, in ns.
     pub t_ns: u64,
-    /// What happened.
+    /// Content of the event.
     pub record: Record,
 }
 
@@ -62,31 +62,31 @@ pub struct Reader {
     folder: PathBuf,
     about: About,
     source: Source,
-    /// What a dead runner left beside the database.
+    /// Events that a dead runner left beside the database.
     extra: Extra,
     defined: Vec<Defined>,
-    /// How many of them are in the database.
+    /// Number of those definitions that are in the database.
     defined_there: u64,
-    /// The last event whose places are known.
+    /// Last event whose places are known.
     known_until: u64,
-    /// The latest definition of each.
+    /// Latest definition of each place.
     places: Places,
-    /// From this event on places are unknown, because a definition cannot be read.
+    /// First event with unknown places, because a definition cannot be read.
     doubtful_from: Option<u64>,
     is_live: bool,
     end: JournalEnd,
-    /// What was found to be damaged so far.
+    /// Damage found until now.
     damage: RefCell<BTreeSet<Damage>>,
 }
 
-/// What is known of the last event of a run that is not active.
+/// Knowledge about the last event of a run that is not active.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum JournalEnd {
-    /// Nothing beyond what the files hold.
+    /// Nothing beyond the content of the files.
     Open,
-    /// It has this number at least.
+    /// At least this number.
     At(u64),
-    /// It was recorded and cannot be read.
+    /// A recorded number that cannot be read.
     Damaged,
 }
 
@@ -124,23 +124,23 @@ impl Reader {
         })
     }
 
-    /// Messages about the damage found so far; parts that were not read were not checked.
+    /// Returns messages about the damage found until now. Parts that were not read were not checked.
     pub fn damage(&self) -> Vec<String> {
         self.damage.borrow().iter().map(|damage| format!("{DATABASE_FILE}: {damage}")).collect()
     }
 
-    /// An error that lists the damage found so far, if there is any.
+    /// Fails if damage was found. The error lists it.
     pub fn check(&self) -> Result<(), JournalError> {
         let found: Vec<String> = self.damage.borrow().iter().map(Damage::to_string).collect();
         if found.is_empty() { Ok(()) } else { Err(self.source.damaged(&shortened(&found))) }
     }
 
-    /// An error: these events cannot be read, with the consequence `what`.
+    /// Returns an error: these events cannot be read, with the consequence `what`.
     pub(super) fn lost(&self, first: u64, last: u64, what: &str) -> JournalError {
         self.source.damaged(&format!("{}, so {what}", Damage::Events(first, last)))
     }
 
-    /// An error if event number `sequence` lies in the damaged range that was `found`.
+    /// Fails if event number `sequence` is in the damaged range `found`.
     pub fn check_event(&self, sequence: u64, found: Option<&Entry>) -> Result<(), JournalError> {
         match found.and_then(|entry| damaged(&entry.record)) {
             Some((first, last)) if (first..=last).contains(&sequence) => {
@@ -150,8 +150,8 @@ impl Reader {
         }
     }
 
-    /// Whether the global variables, and what states remember, are as they were written at a moment. Data of states need not be
-    /// asked for so: who needs some that cannot be made again gets an error instead.
+    /// Checks that global variables and persistent data of a moment are unchanged since they were written. Data of states needs no
+    /// such check: a state that needs an unrestorable value gets an error instead.
     pub fn check_values(&self, moment: &Moment) -> Result<(), JournalError> {
         let remembered = moment.persistent().map(|(_, value)| value);
         for kept in moment.globals().values().chain(remembered) {
@@ -163,7 +163,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Whether a large value is as it was written. A missing file is no error here: restoring the value reports it.
+    /// Checks that a large value is unchanged since it was written. A missing file is not an error here, because restoring the
+    /// value reports it.
     fn check_file(&self, hash: &str) -> Result<(), JournalError> {
         let path = self.folder.join(VALUES_FOLDER).join(hash);
         match fs::read(&path) {
@@ -180,17 +181,17 @@ impl Reader {
         self.damage.borrow_mut().insert(damage);
     }
 
-    /// The description of the run.
+    /// Returns the description of the run.
     pub fn about(&self) -> &About {
         &self.about
     }
 
-    /// The run's folder.
+    /// Returns the folder of the run.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Number of the last event; 0 if there is none. Events of an active run count once they are safe from a power cut.
+    /// Returns the number of the last event. 0 if there are no events. Events of an active run count once they survive a power cut.
     pub fn last_sequence(&self) -> Result<u64, JournalError> {
         let last = self.source.last_sequence()?.max(self.extra.last_sequence());
         Ok(match self.end {
@@ -200,22 +201,22 @@ impl Reader {
         })
     }
 
-    /// The first event with full detail, if detail was dropped.
+    /// Returns the first event with full detail, if detail was deleted.
     pub(in crate::journal) fn thinned_before(&self) -> Result<Option<u64>, JournalError> {
         self.source.thinned()
     }
 
-    /// That events were dropped.
+    /// Returns an error: events were deleted.
     pub(in crate::journal) fn given_up(&self) -> JournalError {
         JournalError::GivenUp { path: self.folder().join(DATABASE_FILE) }
     }
 
-    /// The places of all events read so far, by their latest definitions.
+    /// Returns the places of all events read until now, by their latest definitions.
     pub fn known_places(&self) -> &Places {
         &self.places
     }
 
-    /// At most `count` events, beginning with number `from`.
+    /// Returns at most `count` events, starting with number `from`.
     pub fn page(&mut self, from: u64, count: usize) -> Result<Vec<Entry>, JournalError> {
         let mut page = Vec::new();
         if count > 0 {
@@ -227,7 +228,7 @@ impl Reader {
         Ok(page)
     }
 
-    /// Passes the events to `visit` in order, beginning with number `from`, until it breaks.
+    /// Passes the events to `visit` in order, starting with number `from`, until it breaks.
     pub fn each(
         &mut self,
         from: u64,
@@ -236,7 +237,7 @@ impl Reader {
         self.walk(from, Values::Read, visit)
     }
 
-    /// The same without the values of ports and variables: they are as if states had left them out.
+    /// Passes events without the values of ports and variables, as if states had left them out.
     pub(super) fn each_without_values(
         &mut self,
         from: u64,
@@ -257,7 +258,7 @@ impl Reader {
         reader.read(Some(from.max(1)), values, rows, |entry| visit(reader, entry))
     }
 
-    /// Number of the first event at this time or later; the number after the last if there is none.
+    /// Returns the number of the first event at this time or later, or the number after the last event.
     pub fn first_at(&mut self, t_ns: u64) -> Result<u64, JournalError> {
         let near = self.source.first_near(t_ns)?;
         let mut next = near.map_or_else(|| self.source.last_sequence().map(|last| last + 1), Ok)?;
@@ -271,7 +272,7 @@ impl Reader {
         Ok(next)
     }
 
-    /// The events of the last rows.
+    /// Returns the events of the last rows.
     pub fn tail(&self) -> Result<Vec<Entry>, JournalError> {
         let mut tail = Vec::new();
         let keep = |entry| {
@@ -282,7 +283,7 @@ impl Reader {
         Ok(tail)
     }
 
-    /// The state of the run after event number `sequence`, or after the last event if there are fewer.
+    /// Returns the state of the run after event number `sequence`, or after the last event if there are fewer.
     pub fn moment(&mut self, sequence: u64) -> Result<Moment, JournalError> {
         self.learn()?;
         let sequence = sequence.min(self.last_sequence()?);
@@ -317,7 +318,7 @@ impl Reader {
         }
     }
 
-    /// The value with this number; `None` if it was dropped to keep the journal small.
+    /// Returns the value with this number. `None` if it was deleted to limit the size of the journal.
     pub fn value(&self, number: ValueNumber) -> Result<Option<Stored>, JournalError> {
         if let Some(stored) = self.extra.value(number) {
             return Ok(Some(stored.clone()));
@@ -329,7 +330,7 @@ impl Reader {
         value
     }
 
-    /// The definitions of places that come with these events: the first event of each, its number and what it is.
+    /// Returns the definitions of places for these events: the first event of each, its number and the place.
     pub(in crate::journal) fn definitions(
         &mut self,
         events: RangeInclusive<u64>,
@@ -339,12 +340,12 @@ impl Reader {
         Ok(defined.map(|it| (it.first, it.number, it.place.clone())).collect())
     }
 
-    /// An error: these events are damaged.
+    /// Returns an error: these events are damaged.
     pub(in crate::journal) fn lost_events(&self, first: u64, last: u64) -> JournalError {
         self.lost(first, last, "they cannot be sent")
     }
 
-    /// The state of the run after its last event, from a moment of it before.
+    /// Returns the state of the run after its last event, starting from an earlier moment.
     pub fn advance(&mut self, moment: Moment) -> Result<Moment, JournalError> {
         self.learn()?;
         let last = self.last_sequence()?;
@@ -393,7 +394,7 @@ impl Reader {
         places
     }
 
-    /// Reads the definitions of places that were added since.
+    /// Reads the definitions of places that were added since the last call.
     fn learn(&mut self) -> Result<(), JournalError> {
         let last = self.last_sequence()?;
         if last <= self.known_until {
@@ -420,7 +421,7 @@ impl Reader {
     }
 }
 
-/// What is known of the last event of a run that is not active.
+/// Determines the knowledge about the last event of a run that is not active.
 fn end(source: &Source, extra: &Extra) -> Result<JournalEnd, JournalError> {
     Ok(match (source.checked(), extra.marks, source.end()?) {
         (Checked::Never, Marks::None | Marks::Unmarked, _) | (_, Marks::Unmarked, None) => {
@@ -436,14 +437,14 @@ fn end(source: &Source, extra: &Extra) -> Result<JournalEnd, JournalError> {
     })
 }
 
-/// The range of unreadable events that a `damaged` event replaces.
+/// Returns the range of unreadable events that a `damaged` event replaces.
 pub(in crate::journal) fn damaged(record: &Record) -> Option<(u64, u64)> {
     let Record::Told(event) = record else { return None };
     let Event::Damaged { first, last, .. } = &**event else { return None };
     Some((*first, *last))
 }
 
-/// The beginning of a list, for a message.
+/// Returns the start of a list, for a message.
 fn shortened(found: &[String]) -> String {
     const SHOWN: usize = 8;
     let shown = found.iter().take(SHOWN).cloned().collect::<Vec<_>>().join("; ");

@@ -1,4 +1,4 @@
-//! A moment with names and values, for people and programs without Python. Knows moments and values.
+//! A moment with names and values, for people and programs without Python. Combines moments and values.
 
 use super::Reader;
 use super::event::{name_of, outcome_of};
@@ -12,7 +12,7 @@ use smol_str::SmolStr;
 type FoundValues<T> = Result<T, JournalError>;
 
 impl Reader {
-    /// A moment with names and values.
+    /// Returns the moment with names and values.
     pub fn picture(&self, moment: &Moment) -> FoundValues<api::Moment> {
         let whole = moment.whole();
         let standing = moment.active();

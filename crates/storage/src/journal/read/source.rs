@@ -1,5 +1,5 @@
-//! The database of a journal, opened for reading. Checks every row, and skips damaged ones.
-//! Knows its tables, but not what their bytes mean.
+//! The database of a journal, opened for reading. Checks every row and skips damaged ones. Handles its tables, not the meaning of
+//! their bytes.
 
 use super::Defined;
 use crate::journal::folder::{DATABASE_FILE, JournalError};
@@ -20,7 +20,7 @@ pub(super) struct Row<'b> {
     pub(super) data: &'b [u8],
 }
 
-/// Takes rows until it breaks.
+/// Receives rows until it breaks.
 pub(super) type Visit<'v> = dyn FnMut(Row<'_>) -> ControlFlow<()> + 'v;
 
 #[derive(Debug)]
@@ -32,10 +32,10 @@ pub(super) struct Source {
 
 type SourceResult<T> = Result<T, JournalError>;
 
-/// The number of an event, and the keyframe after it.
+/// Number of an event, and the keyframe after it.
 type KeptMoment = (u64, Result<Vec<u8>, Damage>);
 
-/// The hash of a value or the value itself, and its checksum.
+/// Hash of a value or the value itself, and its checksum.
 type KeptRow = (Option<Vec<u8>>, Option<Vec<u8>>, Option<i64>);
 
 impl Source {
@@ -67,29 +67,29 @@ impl Source {
         }
     }
 
-    /// Which of its rows have checksums.
+    /// Returns which rows have checksums.
     pub(super) fn checked(&self) -> Checked {
         self.checked
     }
 
-    /// Whether its rows have checksums.
+    /// Returns true if all rows have checksums.
     pub(super) fn is_checked(&self) -> bool {
         self.checked == Checked::Always
     }
 
-    /// Number of the last event of the last row that can be read; 0 if there is none.
+    /// Returns the number of the last event of the last readable row. 0 without such a row.
     pub(super) fn last_sequence(&self) -> SourceResult<u64> {
         let last = self.first_head("ORDER BY first DESC", |_| true)?;
         Ok(last.map_or(0, |head| (head.first + head.count - 1).cast_unsigned()))
     }
 
-    /// Number of the first remaining event; 1 if there is none.
+    /// Returns the number of the first remaining event. 1 without events.
     pub(super) fn first_sequence(&self) -> SourceResult<u64> {
         let first = self.first_head("ORDER BY first", |_| true)?;
         Ok(first.map_or(1, |head| head.first.cast_unsigned()))
     }
 
-    /// The last event of a run whose runner ended normally; `None` if none did.
+    /// Returns the last event of a run whose runner ended normally. `None` if none did.
     pub(super) fn end(&self) -> SourceResult<Option<u64>> {
         if self.checked == Checked::Never {
             return Ok(None);
@@ -97,7 +97,7 @@ impl Source {
         self.highest("SELECT sequence, sum FROM ends", "ends")
     }
 
-    /// The first event with full detail, if detail was dropped.
+    /// Returns the first event with full detail, if detail was deleted.
     pub(super) fn thinned(&self) -> SourceResult<Option<u64>> {
         self.highest(&self.query("SELECT before, SUM FROM thinned"), "thinned")
     }
@@ -116,28 +116,28 @@ impl Source {
         })
     }
 
-    /// An error: the journal has dropped what is to be read.
+    /// Returns an error: the requested part of the journal was deleted.
     pub(super) fn given_up(&self) -> JournalError {
         JournalError::GivenUp { path: self.path.clone() }
     }
 
-    /// Passes the rows from the one with event number `from` on to `visit`, until it breaks. Skips rows that cannot be read.
+    /// Passes the rows from the one with event number `from` on to `visit`, until it breaks. Skips unreadable rows.
     pub(super) fn rows(&self, from: u64, visit: &mut Visit<'_>) -> SourceResult<ControlFlow<()>> {
         let query = "SELECT coalesce(max(first), 0) FROM blocks WHERE first <= ?1";
         let from = i64::try_from(from).unwrap_or(i64::MAX);
         let first = self.ask(query, |statement| statement.query_row([from], |row| row.get(0)));
-        // Where the index is damaged, the rest is scanned.
+        // If the index is damaged, all rows are scanned.
         self.visit(readable(first)?.unwrap_or(0), visit)
     }
 
-    /// Number of the first event in the first row with an event at this time or later; `None` if all are earlier.
+    /// Returns the number of the first event in the first row with an event at this time or later. `None` if all are earlier.
     pub(super) fn first_near(&self, t_ns: u64) -> SourceResult<Option<u64>> {
         let t_ns = i64::try_from(t_ns).unwrap_or(i64::MAX);
         let near = self.first_head("ORDER BY first", |head| head.t_last >= t_ns)?;
         Ok(near.map(|head| head.first.cast_unsigned()))
     }
 
-    /// The first row in this order whose numbers are valid and match.
+    /// Returns the first row in this order whose numbers are valid and match.
     fn first_head(
         &self,
         order: &str,
@@ -220,7 +220,7 @@ impl Source {
         Ok(visit(Row { first, t_before, data }))
     }
 
-    /// The first key after this one that can be reached from the end of a damaged index.
+    /// Returns the first key after this one that can be reached from the end of a damaged index.
     fn behind(&self, key: i64) -> rusqlite::Result<Option<i64>> {
         let query = "SELECT first FROM blocks WHERE first > ?1 ORDER BY first DESC";
         let mut statement = self.connection.prepare(query)?;
@@ -232,7 +232,7 @@ impl Source {
         Ok(found)
     }
 
-    /// The definitions of places after the first `count`, in their order; and whether all could be read.
+    /// Returns the definitions of places after the first `count`, in their order, and whether all could be read.
     pub(super) fn places_after(&self, count: u64) -> SourceResult<(Vec<Defined>, bool)> {
         let query = match self.checked {
             Checked::Never => "SELECT nth, number, first, data, NULL FROM (SELECT number, first, data,
@@ -283,7 +283,7 @@ impl Source {
         Stored::from_bytes(&bytes).map(Some).map_err(|_broken| damaged())
     }
 
-    /// A longer value by its hash, if it exists and has that hash.
+    /// Returns a longer value by its hash, if it exists and has that hash.
     fn blob(&self, hash: &[u8]) -> SourceResult<Option<Vec<u8>>> {
         let query = "SELECT data FROM blobs WHERE hash = ?1";
         let data: Option<Vec<u8>> =
@@ -291,7 +291,7 @@ impl Source {
         Ok(data.filter(|data| blake3::hash(data).as_bytes() == hash))
     }
 
-    /// Whether a missing value may have been dropped: no event with detail uses it.
+    /// Returns true if a missing value may have been deleted: no event with detail uses it.
     fn is_given_up(&self, number: ValueNumber) -> SourceResult<bool> {
         if self.checked == Checked::Never {
             return Ok(true);
@@ -304,7 +304,7 @@ impl Source {
         Ok(number.0 < floor.cast_unsigned())
     }
 
-    /// The last keyframe at or before event number `sequence`, with the event's number; or the damage of that keyframe.
+    /// Returns the last keyframe at or before event number `sequence`, with the event's number, or the damage of that keyframe.
     pub(super) fn keyframe(&self, sequence: u64) -> SourceResult<Option<KeptMoment>> {
         let query = self.query(
             "SELECT sequence, next_value, data, SUM FROM keyframes WHERE sequence <= ?1
@@ -330,7 +330,7 @@ impl Source {
         JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
     }
 
-    /// A query in which `SUM` is replaced by the checksum of a row.
+    /// Returns a query in which `SUM` is replaced by the checksum of a row.
     fn query(&self, text: &str) -> String {
         text.replace("SUM", if self.checked == Checked::Never { "NULL" } else { "sum" })
     }
@@ -346,14 +346,14 @@ impl Source {
     }
 }
 
-/// The numbers of a row, and its checksum, from its first five columns.
+/// Returns the numbers of a row, and its checksum, from its first five columns.
 fn head(row: &Columns<'_>) -> Option<(RowHeader, Option<i64>)> {
     let [first, count] = [read(row, 0)?, read(row, 1)?];
     let [t_before, t_last] = [read(row, 2)?, read(row, 3)?];
     Some((RowHeader { first, count, t_before, t_last }, row.get(4).ok()?))
 }
 
-/// The result; `None` if it is damaged.
+/// Returns the result. `None` if it is damaged.
 fn readable<T>(found: SourceResult<T>) -> SourceResult<Option<T>> {
     match found {
         Err(JournalError::Damaged { .. }) => Ok(None),
@@ -361,7 +361,7 @@ fn readable<T>(found: SourceResult<T>) -> SourceResult<Option<T>> {
     }
 }
 
-/// A column, if it is of its type.
+/// Returns a column, if it has the right type.
 fn read<T: FromSql>(row: &Columns<'_>, column: usize) -> Option<T> {
     row.get(column).ok()
 }

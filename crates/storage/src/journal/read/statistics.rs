@@ -1,7 +1,5 @@
-//! Statistics of the states of a run, gathered in one pass that can continue later. The number of states bounds the memory,
-//! not the number of events.
-//!
-//! Knows records.
+//! Statistics of the states of a run, gathered in one pass that can continue later. The number of states limits the memory, not the
+//! number of events.
 
 use super::{Entry, Reader, damaged, outcome_of};
 use crate::journal::folder::JournalError;
@@ -11,12 +9,12 @@ use rafcon_protocol::api::{OutcomeCount, StateStatistics, Statistics};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// The statistics of a run so far.
+/// Statistics of a run up to the last processed event.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     sequence: u64,
     t_ns: u64,
-    /// When active states were entered.
+    /// Entry times of active states.
     active: BTreeMap<PlaceNumber, u64>,
     states: BTreeMap<PlaceNumber, StateTally>,
 }
@@ -49,12 +47,12 @@ impl Tally {
             ControlFlow::Continue(())
         })?;
         let Some((first, last)) = lost else { return Ok(()) };
-        // A repeated call gives the same result.
+        // Reset, so that a repeated call gives an identical result.
         *self = Self::default();
         Err(reader.lost(first, last, "the states cannot be counted"))
     }
 
-    /// The statistics with the current names of states.
+    /// Returns the statistics with the current names of states.
     pub fn statistics(&self, places: &Places) -> Statistics {
         let state = |(place, state): (&PlaceNumber, &StateTally)| state.statistics(*place, places);
         let mut states: Vec<StateStatistics> = self.states.iter().filter_map(state).collect();
@@ -114,7 +112,7 @@ impl StateTally {
     }
 }
 
-/// The number of classes in each power of two: the error of a result is below 1 %.
+/// Number of classes in each power of two. The error of a result is below 1 %.
 const PARTS: u64 = 64;
 
 /// A histogram of spans whose classes grow with the spans.
@@ -134,7 +132,7 @@ impl Spans {
         *self.classes.entry(class(span)).or_default() += 1;
     }
 
-    /// The span that `percent` of all spans do not exceed.
+    /// Returns the span that `percent` of all spans do not exceed.
     fn at(&self, percent: u64) -> u64 {
         let rank = (u128::from(self.count) * u128::from(percent)).div_ceil(100);
         if rank == u128::from(self.count) {
@@ -156,7 +154,7 @@ fn class(span: u64) -> u64 {
     shift * PARTS + (span >> shift)
 }
 
-/// The span in the middle of a class.
+/// Returns the span in the middle of a class.
 fn middle(class: u64) -> u64 {
     let shift = (class / PARTS).saturating_sub(1);
     let first = (class - shift * PARTS) << shift;

@@ -1,4 +1,4 @@
-//! The summary of a run, without reading its whole journal. Knows folders of runs.
+//! Summary of a run, without reading its whole journal. Handles folders of runs.
 
 use super::Reader;
 use super::end::end_in;
@@ -11,73 +11,73 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-/// One run.
+/// Summary of a run, for a list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The name of its folder.
+    /// Name of the run's folder.
     pub id: String,
-    /// Its folder.
+    /// Path of the run's folder.
     #[serde(skip)]
     pub folder: PathBuf,
-    /// The root state's name.
+    /// Name of the root state.
     pub name: String,
-    /// When it began: ms since 1970, UTC.
+    /// Start time: ms since 1970, UTC.
     pub started_ms: u64,
-    /// Its state.
+    /// Current state of the run.
     #[serde(flatten)]
     pub state: RunState,
-    /// Its length, in ms.
+    /// Length of the run, in ms.
     pub length_ms: u64,
-    /// The number of its events.
+    /// Number of events in the run.
     pub events: u64,
-    /// Its size on disk, in bytes.
+    /// Size of the folder on disk, in bytes.
     pub bytes: u64,
-    /// The robot that has the run, if this is a replica.
+    /// Robot that executes the run, if this is a replica.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
-    /// When the newest event of a replica arrived: ms since 1970, UTC, by the clock of this computer.
+    /// Arrival time of a replica's newest event: ms since 1970, UTC, by the clock of this computer.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub received_ms: Option<u64>,
 }
 
-/// The state of a run.
+/// Current state of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 pub enum RunState {
-    /// It is active.
+    /// The run is active.
     Live {
-        /// In this process.
+        /// Id of the runner's process.
         process: u32,
     },
-    /// It has ended.
+    /// The run ended regularly.
     Finished {
-        /// Its outcome.
+        /// Outcome of the root state.
         outcome: Outcome,
-        /// The number of states run.
+        /// Number of states executed.
         states_run: u64,
     },
-    /// Its runner died: the run can be resumed.
+    /// The runner died. The run can be resumed.
     Crashed,
-    /// It is a replica of a run that had not ended when its newest event arrived, and no station receives it now.
+    /// The run is a replica. It had not ended when its newest event arrived, and no station receives it now.
     NotReceived,
-    /// It is a replica, and the run at its robot has another history: it takes nothing more.
+    /// The run is a replica, and its history differs from the robot's. It accepts no further events.
     Diverged {
-        /// Why, and the way out.
+        /// Cause and remedy, in words.
         reason: String,
     },
-    /// Its folder cannot be read.
+    /// The folder of the run cannot be read.
     Unreadable {
-        /// The reason.
+        /// Cause, in words.
         reason: String,
     },
 }
 
-/// All runs in a folder, the oldest first.
+/// Returns all runs in a folder, the oldest first.
 pub fn runs(folder: &Path) -> Result<Vec<Summary>, JournalError> {
     Ok(run_folders(folder)?.iter().map(|run| Summary::of(run)).collect())
 }
 
-/// The folders of the runs in a folder, the oldest first: ids begin with the time.
+/// Returns the folders of the runs in a folder, the oldest first, because ids begin with the time.
 pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
     let entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
@@ -85,7 +85,7 @@ pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
         Err(error) => return Err(JournalError::io(folder, crate::journal::Doing::Read, error)),
     };
     let paths = entries.flatten().map(|entry| entry.path());
-    // A folder that is being deleted is not a run any more.
+    // A folder that is being deleted is no longer a run.
     let is_gone = |path: &PathBuf| path.to_string_lossy().ends_with(GONE);
     let is_run = |path: &PathBuf| !is_gone(path) && path.join(ABOUT_FILE).is_file();
     let mut found: Vec<PathBuf> = paths.filter(is_run).collect();
@@ -94,7 +94,7 @@ pub fn run_folders(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
 }
 
 impl Summary {
-    /// The summary of the run in this folder.
+    /// Returns the summary of the run in this folder.
     pub fn of(folder: &Path) -> Self {
         let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut summary = Self {
@@ -149,7 +149,7 @@ impl Summary {
     }
 }
 
-/// When the database of a run was written last, in ms since 1970, UTC.
+/// Returns the last write time of a run's database, in ms since 1970, UTC.
 fn written_ms(folder: &Path) -> Option<u64> {
     let written = |file: String| fs::metadata(folder.join(file)).and_then(|it| it.modified()).ok();
     let files = [DATABASE_FILE.to_owned(), format!("{DATABASE_FILE}-wal")];
@@ -157,7 +157,7 @@ fn written_ms(folder: &Path) -> Option<u64> {
     u64::try_from(newest.duration_since(UNIX_EPOCH).ok()?.as_millis()).ok()
 }
 
-/// The size of a folder in bytes, as far as it can be read.
+/// Returns the size of a folder in bytes. Unreadable parts do not count.
 pub fn size_of(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let size = |entry: fs::DirEntry| match entry.metadata() {

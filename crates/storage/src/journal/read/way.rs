@@ -1,5 +1,4 @@
-//! Walks through a journal event by event; a range that cannot be read becomes one `damaged` event. Knows how events
-//! follow on one another.
+//! Walks through a journal event by event, and replaces an unreadable range by one `damaged` event. Checks the sequence of events.
 
 use super::filter::place_of;
 use super::{Damage, Entry, JournalEnd, Reader, Row, Source, Visit};
@@ -10,8 +9,7 @@ use rafcon_protocol::Event;
 use std::ops::ControlFlow;
 
 impl Reader {
-    /// Passes on the events of rows of the database and of all leftovers, from number `from` on, or from the first
-    /// of them.
+    /// Passes on the events of rows of the database and of all leftovers, starting with number `from`, or with the first of them.
     pub(super) fn read(
         &self,
         from: Option<u64>,
@@ -33,19 +31,19 @@ impl Reader {
     }
 }
 
-/// Whether events come with the values of ports and variables.
+/// Handling of the values of ports and variables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Values {
     Read,
-    /// Left out, which is faster.
+    /// Values are left out, which is faster.
     Skipped,
 }
 
-/// The position of a reader.
+/// Position of a reader.
 struct Way<'r, V> {
     reader: &'r Reader,
     values: Values,
-    /// The number of the next event; `None` before the first row if any number may come.
+    /// Number of the next event. `None` before the first row if any number may come.
     next: Option<u64>,
     t_ns: u64,
     /// Unreadable events before the next: the number of the first, and the event that reports them.
@@ -94,7 +92,7 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
         ControlFlow::Continue(())
     }
 
-    /// Reports events behind the last row that cannot be read.
+    /// Reports unreadable events after the last row.
     fn end(mut self) {
         let next = self.next.unwrap_or(1);
         match self.reader.end {
@@ -127,7 +125,7 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
         (self.visit)(Entry { sequence: last, t_ns: self.t_ns, record })
     }
 
-    /// Whether events are missing because the journal dropped the oldest.
+    /// Returns true if events are missing because the journal deleted the oldest.
     fn is_given_up(&self, next: u64, first: u64) -> bool {
         let source = &self.reader.source;
         let is_first = || source.first_sequence().is_ok_and(|there| there == first);
@@ -135,7 +133,7 @@ impl<V: FnMut(Entry) -> ControlFlow<()>> Way<'_, V> {
         next < first && first <= border() && is_first()
     }
 
-    /// Whether the place of this event is unknown.
+    /// Returns true if the place of this event is unknown.
     fn is_doubtful(&self, sequence: u64, record: &Record) -> bool {
         let Some(place) = place_of(record) else { return false };
         let Reader { places, doubtful_from, is_live, source, known_until, .. } = self.reader;

@@ -1,5 +1,4 @@
-//! The content of one commit, made from frames: rows of many events each, places, values. Knows the shape of
-//! rows, but not when they are written.
+//! Content of one commit, built from frames: rows of many events each, places, values. Defines the rows, not the time of writing.
 
 use super::sums::{self, RowHeader};
 use crate::journal::moment::Keyframe;
@@ -12,62 +11,62 @@ use rusqlite::{Result, Transaction, params};
 const SHORT: usize = 128;
 /// A row takes no more events once it is this long.
 const BLOCK_BYTES: usize = 32 << 10;
-/// The last row is extended while it is shorter than this.
+/// Maximum length of a last row that is extended.
 const TAIL_BYTES: usize = 2 << 10;
 
 /// The events of one row.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(in crate::journal) struct Block {
-    /// Number of the first.
+    /// Number of the first event.
     pub(in crate::journal) first: u64,
-    /// How many.
+    /// Number of events.
     pub(in crate::journal) count: u64,
     /// Time of the event before the first.
     pub(in crate::journal) t_before: u64,
-    /// Time of the last.
+    /// Time of the last event.
     pub(in crate::journal) t_last: u64,
-    /// The events as items.
+    /// Events as encoded items.
     pub(in crate::journal) data: Vec<u8>,
 }
 
 impl Block {
-    /// The number of the event that follows it.
+    /// Returns the number of the event that follows the block.
     pub(in crate::journal) fn next(&self) -> u64 {
         self.first + self.count
     }
 }
 
-/// The content of one commit.
+/// Content of one commit.
 #[derive(Debug, Default)]
 pub(in crate::journal) struct Group {
-    /// The block that this group extends, if it extends one.
+    /// Block that this group extends, if it extends one.
     tail: Option<Block>,
     blocks: Vec<Block>,
     /// Places with the number of the first event that they apply to.
     pub(in crate::journal) places: Vec<(PlaceNumber, u64, Place)>,
     pub(in crate::journal) values: Vec<(ValueNumber, Stored)>,
-    /// The keyframe before these events, if one is due.
+    /// Keyframe before these events, if one is due.
     pub(in crate::journal) keyframe: Option<Keyframe>,
 }
 
 impl Group {
-    /// A group that follows `tail`, the last block so far.
+    /// Creates a group that follows `tail`, the last block of the database.
     pub(in crate::journal) fn after(tail: Option<&Block>) -> Self {
         let tail = tail.filter(|tail| tail.data.len() < TAIL_BYTES).cloned();
         Self { tail, ..Self::default() }
     }
 
-    /// All rows, including an extended tail.
+    /// Returns all rows, including an extended tail.
     pub(in crate::journal) fn blocks(&self) -> impl Iterator<Item = &Block> {
         self.tail.iter().chain(&self.blocks)
     }
 
-    /// The last row.
+    /// Returns the last row.
     pub(in crate::journal) fn into_last(self) -> Option<Block> {
         self.blocks.into_iter().next_back().or(self.tail)
     }
 
-    /// Adds the next frame.
+    /// Adds the next frame to the group.
     pub(in crate::journal) fn add(&mut self, frame: &Frame<'_>) -> std::result::Result<(), Broken> {
         self.add_definitions(frame)?;
         if frame.head.count == 0 {
@@ -80,7 +79,7 @@ impl Group {
         Ok(())
     }
 
-    /// The last block if the frame fits, or a new one.
+    /// Returns the last block if the frame fits, or else a new one.
     fn block_for(&mut self, frame: &Frame<'_>) -> &mut Block {
         let fits = |block: &Block| {
             block.data.len() < BLOCK_BYTES
@@ -110,8 +109,8 @@ impl Group {
         Ok(())
     }
 
-    /// Writes all of it to the tables. Replaces what an earlier attempt wrote after record number `committed` and definition
-    /// number `places`.
+    /// Writes the whole group to the tables. Replaces rows that an earlier attempt wrote after record number `committed` and
+    /// definition number `places`.
     pub(super) fn put(
         &self,
         transaction: &Transaction<'_>,

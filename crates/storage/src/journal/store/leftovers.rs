@@ -1,4 +1,4 @@
-//! What a dead run left in its recorder: the frames after the last commit. Reads the file as bytes, which may be damaged.
+//! Frames that a dead run left in its recorder after the last commit. Reads the file as bytes, which may be damaged.
 
 use super::recorder::{
     APPENDED, COMMITTED, HEADER, HEADER_SUM, MAGIC, SEGMENTS, UNMARKED, spill_file, unmarked,
@@ -10,7 +10,7 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// The bytes of a recorder.
+/// Bytes of a recorder.
 #[derive(Debug, Default)]
 pub(in crate::journal) struct Leftovers {
     bytes: Vec<u8>,
@@ -20,7 +20,7 @@ pub(in crate::journal) struct Leftovers {
     marks: Marks,
 }
 
-/// The marks in the header of a recorder.
+/// Marks in the header of a recorder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::journal) enum Marks {
     /// There is no recorder.
@@ -30,12 +30,12 @@ pub(in crate::journal) enum Marks {
     Unmarked,
     /// The marks cannot be read.
     Damaged,
-    /// The last record that was appended, and the last one in the database.
+    /// Last record that was appended, and last record in the database.
     Read { appended: u64, committed: u64 },
 }
 
 impl Leftovers {
-    /// Reads the recorder of the run in `folder`; a missing file, or one that is no recorder, has no frames.
+    /// Reads the recorder of the run in `folder`. A missing file, or one that is not a recorder, has no frames.
     pub(in crate::journal) fn read(folder: &Path) -> Result<Self, JournalError> {
         let path = folder.join(RECORDER_FILE);
         let mut leftovers = match fs::read(&path) {
@@ -74,12 +74,12 @@ impl Leftovers {
         Self { bytes, life, segment_bytes, spilled: Vec::new(), marks }
     }
 
-    /// The marks of the recorder.
+    /// Returns the marks of the recorder.
     pub(in crate::journal) fn marks(&self) -> Marks {
         self.marks
     }
 
-    /// The damage, if records after number `sequence`, the last one found, were appended.
+    /// Returns the damage, if records after number `sequence`, the last one found, were appended.
     pub(in crate::journal) fn lost(&self, sequence: u64) -> Option<Damage> {
         match self.marks {
             Marks::Read { appended, .. } if appended > sequence => {
@@ -90,8 +90,8 @@ impl Leftovers {
         }
     }
 
-    /// The last record that was in the database, if the database now ends earlier, at record number `sequence`, and the frames do
-    /// not continue from there.
+    /// Returns the last record that was in the database, if the database now ends earlier, at record number `sequence`, and the
+    /// frames do not continue from there.
     pub(in crate::journal) fn lacks(&self, sequence: u64) -> Option<u64> {
         match self.marks {
             Marks::Read { committed, .. } if committed > sequence => {
@@ -103,7 +103,7 @@ impl Leftovers {
         }
     }
 
-    /// Reads the files of large frames; the first missing or torn one ends the leftovers.
+    /// Reads the files of large frames. The first missing or torn one ends the leftovers.
     fn read_spilled(&mut self, folder: &Path) {
         let spilled = self.all().into_iter().filter(|frame| frame.head.spilled);
         let numbers: Vec<u64> = spilled.map(|frame| frame.head.number).collect();
@@ -111,7 +111,7 @@ impl Leftovers {
         self.spilled = numbers.into_iter().filter_map(read).collect();
     }
 
-    /// The frames after record number `committed`, in order and without a gap, up to the first torn one.
+    /// Returns the frames after record number `committed`, in order and without a gap, up to the first torn one.
     pub(in crate::journal) fn frames(&self, committed: u64) -> Vec<Frame<'_>> {
         let mut found: Vec<Frame<'_>> = Vec::new();
         let mut next = committed + 1;
@@ -130,7 +130,7 @@ impl Leftovers {
         found
     }
 
-    /// The frame with its body.
+    /// Returns the frame with its body.
     fn whole<'s>(&'s self, short: Frame<'s>) -> Option<Frame<'s>> {
         if !short.head.spilled {
             return Some(short);
@@ -140,7 +140,7 @@ impl Leftovers {
         frame.stands_for(&short).then_some(frame)
     }
 
-    /// All frames by rising number.
+    /// Returns all frames sorted by number.
     fn all(&self) -> Vec<Frame<'_>> {
         let start = |index: usize| HEADER.checked_add(index.checked_mul(self.segment_bytes)?);
         let end = |index: usize| Some(start(index + 1)?.min(self.bytes.len()));
@@ -152,7 +152,7 @@ impl Leftovers {
     }
 }
 
-/// The frames at the beginning of a segment; older bytes may follow.
+/// Returns the frames at the start of a segment. Older bytes may follow.
 fn run(mut bytes: &[u8], life: u32) -> Vec<Frame<'_>> {
     let mut frames: Vec<Frame<'_>> = Vec::new();
     while let Some((frame, length)) = frame::read(bytes, life) {
@@ -175,7 +175,7 @@ mod tests {
 
     const SEGMENT: usize = 4096;
 
-    /// A recorder of life 3 whose segments hold these frames, each by number, first event and count.
+    /// Returns a recorder of life 3 whose segments hold these frames, each by number, first event and count.
     fn recorder(segments: &[Vec<(u64, u64, u32)>]) -> Vec<u8> {
         let mut bytes = UNMARKED.to_vec();
         for number in [3, SEGMENT as u64, SEGMENTS as u64] {

@@ -1,4 +1,4 @@
-//! The database of a journal and its tables. Knows `SQLite`, but not where rows come from.
+//! The database of a journal and its tables. Handles `SQLite`, not the source of the rows.
 
 pub(in crate::journal) mod group;
 pub(in crate::journal) mod leftovers;
@@ -15,15 +15,15 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use sums::{Checked, Damage, RowHeader};
 
-/// The version of the tables.
+/// Version of the tables.
 pub(in crate::journal) const VERSION: u32 = 2;
-/// The version whose rows have no checksums.
+/// Version whose rows have no checksums.
 pub(in crate::journal) const UNCHECKED: u32 = 1;
-/// How long to wait for other connections to release the database.
+/// Timeout for other connections to release the database.
 const BUSY: Duration = Duration::from_secs(5);
-/// The page size of a new database: each table takes one page, and the journals of short runs are mostly that.
+/// Page size of a new database. Each table takes one page, and journals of short runs consist mostly of these.
 const PAGE_BYTES: i64 = 2 << 10;
-/// The size of the write-ahead log after a checkpoint.
+/// Size of the write-ahead log after a checkpoint.
 const WAL_BYTES: i64 = 4 << 20;
 
 const TABLES: &str = "
@@ -59,7 +59,7 @@ const UPGRADE: &str = "
     CREATE TABLE ends(sequence INTEGER PRIMARY KEY, sum INTEGER NOT NULL);
 ";
 
-/// The open database of one run.
+/// Open database of one run.
 #[derive(Debug)]
 pub(in crate::journal) struct Database {
     connection: Connection,
@@ -70,7 +70,7 @@ impl Database {
     /// Creates the database of a new run.
     pub(in crate::journal) fn create(folder: &Path) -> Result<Self, JournalError> {
         let path = folder.join(DATABASE_FILE);
-        // `SQLite` gives the files beside it the same permissions.
+        // `SQLite` copies these permissions to the files beside the database.
         create_file(&path).map_err(|source| JournalError::io(&path, Doing::Write, source))?;
         let mut database = Self::open_with(folder, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         let text = format!("BEGIN IMMEDIATE; {TABLES} PRAGMA user_version = {VERSION}; COMMIT;");
@@ -149,7 +149,7 @@ impl Database {
         action(&mut self.connection).map_err(|source| JournalError::database(&self.path, source))
     }
 
-    /// Writes a group of events; it is safe from a power cut when this returns. Replaces what an earlier attempt wrote after
+    /// Writes a group of events, which survives a power cut when this returns. Replaces rows that an earlier attempt wrote after
     /// record number `committed` and definition number `places`.
     pub(in crate::journal) fn put(
         &mut self,
@@ -164,7 +164,7 @@ impl Database {
         })
     }
 
-    /// The record number of the last keyframe, and the lowest unused number of a value at that time.
+    /// Returns the record number of the last keyframe, and the lowest unused number of a value at that time.
     pub(in crate::journal) fn last_keyframe(&mut self) -> Result<(u64, ValueNumber), JournalError> {
         let query = "SELECT sequence, next_value, data, sum FROM keyframes ORDER BY sequence DESC";
         let checked = self.checks()?;
@@ -185,7 +185,7 @@ impl Database {
         Ok((sequence, ValueNumber(next_value)))
     }
 
-    /// The last block, if there is one.
+    /// Returns the last block, if there is one.
     pub(in crate::journal) fn last_block(&mut self) -> Result<Option<Block>, JournalError> {
         let query = "SELECT first, count, t_before, t_last, data, sum FROM blocks
             ORDER BY first DESC LIMIT 1";
@@ -213,7 +213,7 @@ impl Database {
         Ok(Some(Block { first, count, t_before, t_last, data }))
     }
 
-    /// Which of its rows have checksums.
+    /// Returns which rows have checksums.
     pub(in crate::journal) fn checks(&mut self) -> Result<Checked, JournalError> {
         self.run(|connection| checks(connection))
     }
@@ -227,14 +227,14 @@ impl Database {
         })
     }
 
-    /// The lowest number above those of all values.
+    /// Returns the lowest number above those of all values.
     pub(in crate::journal) fn next_value(&mut self) -> Result<ValueNumber, JournalError> {
         let query = "SELECT coalesce(max(number), 0) + 1 FROM vals";
         let next: i64 = self.run(|connection| connection.query_row(query, [], |row| row.get(0)))?;
         Ok(ValueNumber(next.cast_unsigned()))
     }
 
-    /// All places by their latest definitions, and the number of definitions.
+    /// Returns all places by their latest definitions, and the number of definitions.
     pub(in crate::journal) fn places(
         &mut self,
     ) -> Result<(u64, Vec<(PlaceNumber, Place)>), JournalError> {
@@ -253,7 +253,7 @@ impl Database {
         Ok((rows.len() as u64, places.into_iter().collect()))
     }
 
-    /// Begins the life of a new runner, whose events begin at `first`, and returns its number.
+    /// Starts the life of a new runner, whose events begin at `first`. Returns the number of the life.
     pub(in crate::journal) fn begin_life(&mut self, first: u64) -> Result<u32, JournalError> {
         let query =
             "INSERT INTO lives SELECT coalesce(max(life), 0) + 1, ?1 FROM lives RETURNING life";
@@ -267,7 +267,8 @@ impl Database {
         })
     }
 
-    /// Gives up the write-ahead log, so that readers leave no files beside the database. Does nothing while somebody reads.
+    /// Removes the write-ahead log, so that readers leave no files beside the database. Has no effect while the database has
+    /// readers.
     pub(in crate::journal) fn leave_log(&mut self) -> Result<(), JournalError> {
         self.run(|connection| {
             connection.busy_timeout(Duration::ZERO)?;
@@ -279,15 +280,15 @@ impl Database {
         &self.path
     }
 
-    /// An error: the database is damaged.
+    /// Returns an error: the database is damaged.
     pub(in crate::journal) fn damaged(&self, what: &str) -> JournalError {
         JournalError::Damaged { path: self.path.clone(), what: what.to_owned() }
     }
 }
 
-/// Gives up the write-ahead log of the run in `folder` once nobody writes or reads it. A reader leaves its files beside the
-/// database of a run that ended while it was read, and they take more disk than a short run. Changes nothing of a run that did
-/// not close, and nothing where that fails: the next reader may do it.
+/// Removes the write-ahead log of the run in `folder` if it has no writers and readers. If a run ends while it is read, the reader
+/// leaves files beside the database that take more disk space than a short run. Has no effect on a run that was not closed, and
+/// none on failure: the next reader can retry.
 pub fn leave_log(folder: &Path) {
     let is_left = |file: String| fs::exists(folder.join(file)).unwrap_or(false);
     if is_left(RECORDER_FILE.to_owned()) || !is_left(format!("{DATABASE_FILE}-shm")) {
@@ -298,8 +299,8 @@ pub fn leave_log(folder: &Path) {
     }
 }
 
-/// Which rows of a journal have checksums. Reads the tables themselves, so that a damaged version number does
-/// not change the answer.
+/// Determines which rows of a journal have checksums. Reads the tables themselves, so that a damaged version number does not change
+/// the result.
 pub(in crate::journal) fn checks(connection: &Connection) -> rusqlite::Result<Checked> {
     let query = "SELECT \"notnull\" FROM pragma_table_info('blocks') WHERE name = 'sum'";
     let always: Option<bool> = connection.query_row(query, [], |row| row.get(0)).optional()?;
@@ -321,13 +322,13 @@ pub(in crate::journal) struct DefinedRow {
 }
 
 impl DefinedRow {
-    /// From the columns `nth, number, first, data, sum`.
+    /// Reads the columns `nth, number, first, data, sum`.
     pub(in crate::journal) fn of(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
         let [nth, number, first] = [row.get(0)?, row.get(1)?, row.get(2)?];
         Ok(Self { nth, number, first, data: row.get(3)?, sum: row.get(4)? })
     }
 
-    /// The definition, if it is undamaged and the `nth` of all.
+    /// Returns the definition, if it is undamaged and the `nth` of all.
     pub(in crate::journal) fn read(
         &self,
         checked: Checked,

@@ -1,7 +1,7 @@
-//! The newest events in a mapped file, where they outlive this process as soon as they are written. The file is a ring of
-//! segments; each is filled with frames from its beginning, and reused only when all its frames are in the database.
+//! The newest events in a mapped file, where they outlive this process as soon as they are written. The file is a ring of segments.
+//! Each segment is filled with frames from its start, and reused only when all its frames are in the database.
 //!
-//! Knows frames and bytes, but not what they mean or where they are moved.
+//! Handles frames and bytes, not their meaning or destination.
 
 use crate::journal::folder::{
     Doing, Full, JournalError, RECORDER_FILE, SPILL_FOLDER, create_file, fresh_name, sync_folder,
@@ -15,35 +15,35 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Bytes before the first segment.
+/// Number of bytes before the first segment.
 pub(in crate::journal) const HEADER: usize = 4096;
 /// Identifies a recorder and its version.
 pub(in crate::journal) const MAGIC: [u8; 8] = *b"RAFREC\0\x02";
 /// Identifies the version without marks.
 pub(in crate::journal) const UNMARKED: [u8; 8] = *b"RAFREC\0\x01";
-/// The offset of the header's checksum, and the end of the bytes that it covers.
+/// Offset of the header's checksum, and end of the bytes that it covers.
 pub(in crate::journal) const HEADER_SUM: usize = 32;
-/// The offsets of the marks: the last appended record, and the last record in the database.
+/// Offsets of the marks: last appended record, and last record in the database.
 pub(in crate::journal) const APPENDED: usize = 40;
 pub(in crate::journal) const COMMITTED: usize = 48;
-/// The number of segments.
+/// Number of segments.
 pub(in crate::journal) const SEGMENTS: usize = 8;
-/// The minimum length of a segment.
+/// Minimum length of a segment.
 const SEGMENT_MIN: usize = 4096;
 
-/// The mapped file and its fill level.
+/// Mapped file and its fill level.
 #[derive(Debug)]
 pub(in crate::journal) struct Recorder {
     folder: PathBuf,
     map: MmapMut,
     life: u32,
     segment_bytes: usize,
-    /// The fill level of each segment.
+    /// Fill level of each segment.
     used: [usize; SEGMENTS],
     current: usize,
     next_frame: u64,
     next_record: u64,
-    /// The end of the frames that are in the database.
+    /// End of the frames that are in the database.
     committed: Mark,
 }
 
@@ -57,7 +57,7 @@ pub(in crate::journal) struct Mark {
 }
 
 impl Recorder {
-    /// Creates a recorder that replaces an older one; `life` is new among the recorders of this run.
+    /// Creates a recorder that replaces an older one. `life` is unique among the recorders of this run.
     pub(in crate::journal) fn create(
         folder: &Path,
         bytes: usize,
@@ -87,17 +87,17 @@ impl Recorder {
         })
     }
 
-    /// The life in its frames.
+    /// Returns the life in its frames.
     pub(in crate::journal) fn life(&self) -> u32 {
         self.life
     }
 
-    /// Number of the last record.
+    /// Returns the number of the last record.
     pub(in crate::journal) fn sequence(&self) -> u64 {
         self.next_record - 1
     }
 
-    /// Appends a batch as a whole or not at all, and returns the number of its last record.
+    /// Appends a batch completely or not at all, and returns the number of its last record.
     pub(in crate::journal) fn append(&mut self, batch: &Batch) -> Result<u64, Full> {
         if batch.is_empty() {
             return Ok(self.sequence());
@@ -121,7 +121,7 @@ impl Recorder {
         Ok(self.sequence())
     }
 
-    /// The next free bytes.
+    /// Returns the next free bytes.
     fn room(&mut self, length: usize) -> Option<&mut [u8]> {
         if self.used[self.current] + length > self.segment_bytes {
             let next = (self.current + 1) % SEGMENTS;
@@ -164,7 +164,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Appends all uncommitted frames to `into`, and returns where they end.
+    /// Appends all uncommitted frames to `into`, and returns their end.
     pub(in crate::journal) fn pending(&self, into: &mut Vec<u8>) -> Mark {
         let Mark { mut segment, mut offset, .. } = self.committed;
         loop {
@@ -189,12 +189,12 @@ impl Recorder {
     }
 }
 
-/// The file of a frame that is too large.
+/// Returns the path for a frame that is too large.
 pub(in crate::journal) fn spill_file(folder: &Path, life: u32, number: u64) -> PathBuf {
     folder.join(SPILL_FOLDER).join(format!("{life}-{number}"))
 }
 
-/// The first page of a recorder.
+/// Returns the first page of a recorder.
 fn header(life: u32, segment_bytes: usize, sequence: u64) -> Vec<u8> {
     let mut header = MAGIC.to_vec();
     header.extend_from_slice(&life.to_le_bytes());
@@ -209,20 +209,20 @@ fn header(life: u32, segment_bytes: usize, sequence: u64) -> Vec<u8> {
     header
 }
 
-/// A record number with a checksum in its upper 16 bits. A single store writes it, so a crash leaves the old one or the
-/// new one.
+/// Encodes a record number with a checksum in its upper 16 bits. A single store writes it, so a crash leaves the old or the new
+/// number.
 fn marked(sequence: u64) -> u64 {
     let low = sequence & MARK_MAX;
     low | (mark_sum(low) << 48)
 }
 
-/// The marked number; `None` if it is damaged.
+/// Decodes a marked number. `None` if it is damaged.
 pub(in crate::journal) fn unmarked(mark: u64) -> Option<u64> {
     let low = mark & MARK_MAX;
     (mark >> 48 == mark_sum(low)).then_some(low)
 }
 
-/// No record has a higher number.
+/// Maximum number of a record.
 const MARK_MAX: u64 = (1 << 48) - 1;
 
 fn mark_sum(low: u64) -> u64 {

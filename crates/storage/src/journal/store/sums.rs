@@ -1,33 +1,32 @@
-//! Checksums of rows, to detect damage. Knows tables by their names; knows nothing of
-//! `SQLite`.
+//! Checksums of rows, to detect damage. Handles names of tables, not `SQLite`.
 
 use super::group::Block;
 use std::fmt;
 
-/// The checksum of a row, over the name of its table and all its columns.
+/// Checksum of a row, over the name of its table and all its columns.
 #[derive(Debug)]
 pub(in crate::journal) struct Sum(crc32fast::Hasher);
 
 impl Sum {
-    /// Begins with the name of the table.
+    /// Starts with the name of the table.
     pub(in crate::journal) fn of(table: &str) -> Self {
         Self(crc32fast::Hasher::new()).bytes(table.as_bytes())
     }
 
-    /// Adds a number.
+    /// Adds a number to the checksum.
     pub(in crate::journal) fn number(mut self, number: i64) -> Self {
         self.0.update(&number.to_le_bytes());
         self
     }
 
-    /// Adds bytes.
+    /// Adds bytes to the checksum.
     pub(in crate::journal) fn bytes(self, bytes: &[u8]) -> Self {
         let mut longer = self.number(i64::try_from(bytes.len()).unwrap_or(i64::MAX));
         longer.0.update(bytes);
         longer
     }
 
-    /// Adds bytes, if there are any.
+    /// Adds bytes to the checksum, if there are any.
     pub(in crate::journal) fn maybe(self, bytes: Option<&[u8]>) -> Self {
         match bytes {
             Some(bytes) => self.number(1).bytes(bytes),
@@ -40,7 +39,7 @@ impl Sum {
     }
 }
 
-/// The numbers of a row of events.
+/// Numbers of a row of events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::journal) struct RowHeader {
     pub(in crate::journal) first: i64,
@@ -56,20 +55,20 @@ impl RowHeader {
         Self { first, count, t_before, t_last }
     }
 
-    /// The checksum of a row: the sum of its events in the upper half, the sum of its numbers and the upper half in the lower, so
-    /// that the numbers can be checked without the events.
+    /// Returns the checksum of a row. The upper half is the sum of its events. The lower half is the sum of its numbers and the
+    /// upper half, so that the numbers can be checked without the events.
     pub(in crate::journal) fn sum(self, data: &[u8]) -> i64 {
         let data = i64::from(crc32fast::hash(data));
         (data << 32) | self.low(data)
     }
 
-    /// Whether the numbers match this checksum.
+    /// Returns true if the numbers match this checksum.
     pub(in crate::journal) fn fits(self, sum: i64) -> bool {
         let [data, low] = [sum.cast_unsigned() >> 32, sum.cast_unsigned() & 0xffff_ffff];
         self.low(data.cast_signed()) == low.cast_signed() && self.is_possible()
     }
 
-    /// Whether the numbers are valid.
+    /// Returns true if the numbers are valid.
     pub(in crate::journal) fn is_possible(self) -> bool {
         self.first > 0 && self.count > 0 && self.first.checked_add(self.count).is_some()
     }
@@ -81,39 +80,39 @@ impl RowHeader {
     }
 }
 
-/// The checksum of a place.
+/// Returns the checksum of a place.
 pub(in crate::journal) fn of_place(nth: i64, number: i64, first: i64, data: &[u8]) -> i64 {
     Sum::of("places").number(nth).number(number).number(first).bytes(data).done()
 }
 
-/// The checksum of a value.
+/// Returns the checksum of a value.
 pub(in crate::journal) fn of_value(number: i64, hash: Option<&[u8]>, data: Option<&[u8]>) -> i64 {
     Sum::of("vals").number(number).maybe(hash).maybe(data).done()
 }
 
-/// The checksum of a keyframe.
+/// Returns the checksum of a keyframe.
 pub(in crate::journal) fn of_keyframe(sequence: i64, next_value: i64, data: &[u8]) -> i64 {
     Sum::of("keyframes").number(sequence).number(next_value).bytes(data).done()
 }
 
-/// The checksum of a row with one number.
+/// Returns the checksum of a row with one number.
 pub(in crate::journal) fn of_number(table: &str, number: i64) -> i64 {
     Sum::of(table).number(number).done()
 }
 
-/// Which rows of a journal have checksums.
+/// Extent of checksums in a journal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::journal) enum Checked {
-    /// None: an earlier version wrote the journal.
+    /// No row has a checksum, because an earlier version wrote the journal.
     Never,
-    /// All but those that an earlier version wrote.
+    /// All rows but those that an earlier version wrote have checksums.
     Partly,
-    /// All rows.
+    /// All rows have checksums.
     Always,
 }
 
 impl Checked {
-    /// Whether a row with the checksum `sum` is undamaged, as far as that is known; `right` computes the expected sum.
+    /// Returns true if a row with the checksum `sum` is undamaged, or if it has none. `right` computes the expected sum.
     pub(in crate::journal) fn is_right(
         self,
         sum: Option<i64>,
@@ -129,7 +128,7 @@ impl Checked {
 /// A damaged part of a journal.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::journal) enum Damage {
-    /// Events from the first to the second number.
+    /// Events between these two numbers, inclusive.
     Events(u64, u64),
     /// The unknown number of events after this one in the recorder.
     Recorder(u64),

@@ -1,4 +1,4 @@
-//! The definitions of the numbers in a stream of events. Any thread may look them up while another reads on.
+//! Definitions of the numbers in a stream of events. One thread can read the stream while others use the definitions.
 
 use super::{StreamItem, VALUE_LIFE};
 use crate::journal::record::protocol::{Glossary, tell};
@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
-/// The maximum size of values in memory, in bytes; the journal has the others.
+/// Maximum size of values in memory, in bytes. Other values are read from the journal.
 const VALUES_BYTES_MAX: usize = 16 << 20;
 
-/// The definitions of a stream. Earlier definitions, and values that exceed the memory, are read from the journal.
+/// Definitions of a stream. Earlier definitions, and values that exceed the memory limit, are read from the journal.
 #[derive(Debug, Default)]
 pub struct StreamDefinitions {
     places: RwLock<PlaceHistory>,
@@ -32,7 +32,7 @@ struct SentValue {
     stored: Arc<[u8]>,
 }
 
-/// The journal of the run, opened at the first use.
+/// Journal of the run, opened at the first use.
 #[derive(Debug, Default)]
 struct LazyReader {
     folder: Option<PathBuf>,
@@ -40,12 +40,12 @@ struct LazyReader {
 }
 
 impl StreamDefinitions {
-    /// No definitions yet; `folder` holds the run's journal, if it has one.
+    /// Creates an empty set of definitions. `folder` contains the run's journal, if it has one.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { journal: Mutex::new(LazyReader { folder, reader: None }), ..Self::default() }
     }
 
-    /// Takes the definition in an item; returns an event.
+    /// Stores the definition in an item. An event is returned.
     pub fn learn<'b>(&self, item: StreamItem<'b>) -> Option<StreamItem<'b>> {
         match item {
             StreamItem::Place { from, number, place } => {
@@ -61,7 +61,7 @@ impl StreamDefinitions {
         }
     }
 
-    /// The record as an event. Without `values`, inputs and outputs are left out, and errors are short.
+    /// Converts the record to an event. Without `values`, inputs and outputs are omitted, and errors are shortened.
     pub fn event(
         &self,
         sequence: u64,
@@ -105,7 +105,7 @@ impl LazyReader {
     }
 }
 
-/// The definitions at one event.
+/// Definitions that apply to one event.
 #[derive(Debug)]
 struct DefinitionsAt<'d> {
     definitions: &'d StreamDefinitions,
@@ -128,7 +128,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The definitions of a place, each with the number of the first event that it applies to.
+/// Definitions of a place, each with the number of the first event that it applies to.
 type Definitions = Vec<(u64, Arc<Place>)>;
 
 /// All definitions of all places.
@@ -137,7 +137,7 @@ pub struct PlaceHistory {
     places: Vec<Definitions>,
 }
 
-/// No run has more places: a larger number is an error of its sender.
+/// Maximum number of places. A larger number is an error of its sender.
 const PLACES_MAX: usize = 4 << 20;
 
 impl PlaceHistory {
@@ -159,14 +159,14 @@ impl PlaceHistory {
         }
     }
 
-    /// The definition of the number at event `sequence`.
+    /// Returns the definition of the number at event `sequence`.
     pub fn at(&self, number: PlaceNumber, sequence: u64) -> Option<&Arc<Place>> {
         let definitions = self.places.get(number.0 as usize)?;
         let after = definitions.partition_point(|(from, _)| *from <= sequence);
         Some(&definitions.get(after.checked_sub(1)?)?.1)
     }
 
-    /// The latest definition of each place, by number; `None` for unused numbers.
+    /// Returns the latest definition of each place, by number. `None` for unused numbers.
     pub fn latest(&self) -> impl ExactSizeIterator<Item = (PlaceNumber, Option<&Arc<Place>>)> {
         let latest = self.places.iter().map(|known| known.last().map(|(_, place)| place));
         latest
@@ -174,7 +174,7 @@ impl PlaceHistory {
             .map(|(number, place)| (PlaceNumber(u32::try_from(number).unwrap_or(u32::MAX)), place))
     }
 
-    /// All definitions by number, each with the first event that it applies to.
+    /// Returns all definitions by number, each with the first event that it applies to.
     pub fn all(&self) -> impl Iterator<Item = (PlaceNumber, u64, &Arc<Place>)> {
         (0..).map(PlaceNumber).zip(&self.places).flat_map(|(number, known)| {
             known.iter().map(move |(from, place)| (number, *from, place))

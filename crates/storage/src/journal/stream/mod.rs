@@ -1,7 +1,7 @@
-//! Events as a runner sends them: the encoded items of its journal, each definition before the first event
-//! that uses it. Knows bytes and numbers, but not who sends or reads them.
+//! Events as sent by a runner: the encoded items of its journal, each definition before the first event that uses it. Handles bytes
+//! and numbers, not senders or readers.
 //!
-//! Values come without their content: a reader gets their views.
+//! Values come without their content. A reader receives their views.
 
 mod definitions;
 mod reader;
@@ -18,56 +18,56 @@ use crate::journal::record::{Place, PlaceNumber, Record, ValueNumber};
 /// and a reader of the stream may drop a value together with the events that can use it.
 pub const VALUE_LIFE: u64 = 100_000;
 
-/// The content of a value in a stream: nothing.
+/// Content of a value in a stream, which is empty.
 pub const NO_CONTENT: [u8; 2] = [3, 0];
 
-/// Consecutive events as they are sent.
+/// Consecutive events in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EventBlock<'b> {
     /// Number of the first event.
     pub first: u64,
     /// Time of the event before it, in ns.
     pub t_before: u64,
-    /// The events with the definitions that they need, as [`crate::journal::Item`]s.
+    /// Events and the definitions that they need, as [`crate::journal::Item`]s.
     pub items: &'b [u8],
 }
 
 /// One item of a block.
 #[derive(Debug)]
 pub enum StreamItem<'b> {
-    /// The definition of a place from event `from` on.
+    /// Definition of a place from event `from` on.
     Place {
-        /// The first event.
+        /// First event that it applies to.
         from: u64,
-        /// The number.
+        /// Number of the place.
         number: PlaceNumber,
-        /// The place.
+        /// Place that the number denotes.
         place: Place,
     },
-    /// The definition of a value from event `from` on.
+    /// Definition of a value from event `from` on.
     Value {
-        /// The first event.
+        /// First event that it applies to.
         from: u64,
-        /// The number.
+        /// Number of the value.
         number: ValueNumber,
-        /// The value, as [`crate::journal::Stored::from_bytes`] reads it.
+        /// Value in the encoding of [`crate::journal::Stored::from_bytes`].
         stored: &'b [u8],
     },
-    /// Something happened.
+    /// An event of the run.
     Event {
-        /// Its number.
+        /// Number of the event.
         sequence: u64,
-        /// When, in ns since the start of the run.
+        /// Time of the event, in ns since the start of the run.
         t_ns: u64,
-        /// What.
+        /// Content of the event.
         record: Record,
-        /// The same in bytes.
+        /// Encoded record of the event.
         bytes: &'b [u8],
     },
 }
 
 impl<'b> EventBlock<'b> {
-    /// Appends the block to `out`.
+    /// Appends the encoded block to `out`.
     pub fn write(&self, out: &mut Vec<u8>) {
         let mut writer = BinaryWriter::new(out);
         writer.number(self.first);
@@ -75,7 +75,7 @@ impl<'b> EventBlock<'b> {
         writer.bytes(self.items);
     }
 
-    /// All blocks in `bytes`, up to the first broken one.
+    /// Returns all blocks in `bytes`, up to the first invalid one.
     pub fn read_all(bytes: &'b [u8]) -> impl Iterator<Item = Result<Self, Broken>> {
         let mut reader = BinaryReader::new(bytes);
         std::iter::from_fn(move || {
@@ -92,14 +92,14 @@ impl<'b> EventBlock<'b> {
         Ok(Self { first, t_before, items: reader.bytes()? })
     }
 
-    /// Its items in order, up to the first broken one.
+    /// Returns the items in order, up to the first invalid one.
     pub fn items(&self) -> StreamItems<'b> {
         let reader = BinaryReader::new(self.items);
         StreamItems { reader, sequence: self.first, t_ns: self.t_before }
     }
 }
 
-/// Reads the items of a block.
+/// Reader for the items of a block.
 #[derive(Debug)]
 pub struct StreamItems<'b> {
     reader: BinaryReader<'b>,
@@ -125,7 +125,7 @@ impl<'b> StreamItems<'b> {
         })
     }
 
-    /// The number of the next event, the time of the previous one, and the number of remaining bytes.
+    /// Returns the number of the next event, the time of the previous one, and the number of remaining bytes.
     pub fn position(&self) -> (u64, u64, usize) {
         (self.sequence, self.t_ns, self.reader.rest().len())
     }

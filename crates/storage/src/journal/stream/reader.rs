@@ -1,4 +1,4 @@
-//! Reads a stream of events.
+//! Reader for a stream of events.
 
 use super::{EventBlock, StreamDefinitions, StreamItem};
 use crate::journal::read::is_about_values;
@@ -9,32 +9,31 @@ use std::path::PathBuf;
 /// A frame of a runner that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum BadFrame {
-    /// Its message cannot be decoded.
+    /// The message cannot be decoded.
     #[error(transparent)]
     Message(#[from] FrameError),
-    /// Its events cannot be decoded.
+    /// The events cannot be decoded.
     #[error(transparent)]
     Events(#[from] Broken),
 }
 
-/// Turns blocks into events, each once, however often the runner sends it.
+/// Converts blocks to events. Events that the runner sends repeatedly are read once.
 #[derive(Debug)]
 pub struct StreamReader {
     definitions: StreamDefinitions,
-    /// The last event that was read.
+    /// Number of the last event that was read.
     last: u64,
     values: bool,
 }
 
 impl StreamReader {
-    /// A reader that has all events before number `from`, with or without `values`. `folder` holds the run's journal, if it has
-    /// one.
+    /// Creates a reader that has all events before number `from`, with or without `values`. `folder` contains the run's journal, if
+    /// it has one.
     pub fn new(from: u64, values: bool, folder: Option<PathBuf>) -> Self {
         Self { definitions: StreamDefinitions::new(folder), last: from.saturating_sub(1), values }
     }
 
-    /// Reads a frame of a runner, and passes on its message or each new event. Ignores frames of unknown
-    /// kinds.
+    /// Reads a frame of a runner, and passes on its message or each new event. Ignores frames of unknown kinds.
     pub fn read_frame(
         &mut self,
         kind: FrameKind,
@@ -60,7 +59,7 @@ impl StreamReader {
         EventBlock::read_all(bytes).try_for_each(|block| self.read_block(&block?, &mut show))
     }
 
-    /// Reads one block.
+    /// Reads one block of events.
     pub fn read_block(
         &mut self,
         block: &EventBlock<'_>,

@@ -1,4 +1,4 @@
-//! What a reader makes of a stream.
+//! Streams and the events that a reader makes of them.
 
 use super::definitions::PlaceHistory;
 use super::{EventBlock, StreamDefinitions, StreamItem, StreamReader, VALUE_LIFE};
@@ -36,7 +36,7 @@ fn entered(t_ns: u64, number: u64) -> Item {
     Item::Record(t_ns, Record::Entered { place: PlaceNumber(0), inputs, undoes: None })
 }
 
-/// A block of these items, the first event of which has number `first`.
+/// Returns a block of these items. The first event has number `first`.
 fn block(first: u64, items: &[Item]) -> Vec<u8> {
     let (mut before, mut bytes, mut out) = (0, Vec::new(), Vec::new());
     for item in items {
@@ -126,7 +126,7 @@ proptest! {
     }
 }
 
-/// The input of an event that names this value.
+/// Returns the input of an event that names this value.
 fn told(definitions: &StreamDefinitions, number: u64) -> serde_json::Value {
     let inputs = vec![Kept::Value(ValueNumber(number))];
     let entered = Record::Entered { place: PlaceNumber(0), inputs, undoes: None };

@@ -1,4 +1,4 @@
-//! How a run stood is kept now and then, so that it is known at any moment without reading everything.
+//! Keyframes of a run, which give its state at any moment without reading all events.
 
 use super::create;
 use crate::journal::record::Content;
@@ -9,7 +9,7 @@ use rafcon_protocol::{LogLevel, Stream};
 use serde_json::json;
 use std::path::Path;
 
-/// Keyframes: sequence and next value; then values that were named after the keyframe before theirs.
+/// Shows keyframes (sequence and next value), then values that were named after the keyframe before theirs.
 fn check(folder: &Path, expect: &Expect) {
     let mut database = Database::open(folder).unwrap();
     let pair = |row: &rusqlite::Row<'_>| Ok((row.get(0)?, row.get(1)?));

@@ -1,4 +1,4 @@
-//! Journals as they are written: what was appended is there afterwards, whatever happens in between.
+//! Journals as they are written. Appended events are preserved, whatever happens in between.
 
 mod keyframes;
 mod power_cut;
@@ -11,14 +11,14 @@ use crate::journal::store::Database;
 use crate::journal::{About, Batch, Journal, Kept, Options, PlaceNumber, Record};
 use std::path::Path;
 
-/// Small enough that everything that is rare with the usual sizes happens in a test.
+/// Small sizes, so that rare cases occur in a test.
 const SMALL: Options = Options { size_max: u64::MAX, recorder_bytes: 1 << 15 };
 
 fn create(folder: &Path) -> Journal {
     Journal::create(folder, &About { name: "test".to_owned(), ..About::default() }, &SMALL).unwrap()
 }
 
-/// A batch with the entry of the place with this number, at this time.
+/// Adds the entry of the place with this number to a batch, at this time.
 fn entered(batch: &mut Batch, t_ns: u64, place: u32) {
     batch.entered(t_ns, PlaceNumber(place), [Kept::None], None);
 }
@@ -32,7 +32,7 @@ fn append(journal: &Journal, batch: &mut Batch, places: impl IntoIterator<Item =
     }
 }
 
-/// All records in the database: number, time, place.
+/// Returns all records in the database: number, time, place.
 fn kept(folder: &Path) -> String {
     let line = |(sequence, t_ns, record): &(u64, u64, Record)| match record {
         Record::Entered { place, .. } => format!("{sequence}:{t_ns}:{}", place.0),
@@ -41,7 +41,7 @@ fn kept(folder: &Path) -> String {
     rows(folder).iter().map(line).collect::<Vec<_>>().join(" ")
 }
 
-/// All records in the database with their numbers, which have no gap, and times.
+/// Returns all records in the database with their times and their numbers, which have no gap.
 fn rows(folder: &Path) -> Vec<(u64, u64, Record)> {
     let mut database = Database::open(folder).unwrap();
     let query = "SELECT first, count, t_before, t_last, data FROM blocks ORDER BY first";

@@ -1,5 +1,5 @@
-//! A power cut at any moment: the database is as it was when it was synced last, with any part of what was written since, and
-//! each page of the recorder, which is never synced, is of any age.
+//! A power cut at any moment: the database has its last synced state and any part of later writes. Each page of the recorder, which
+//! is never synced, may be of any age.
 
 use super::{SMALL, create, entered, kept};
 use crate::journal::folder::{ABOUT_FILE, DATABASE_FILE, RECORDER_FILE, SPILL_FOLDER};
@@ -12,7 +12,7 @@ use std::path::Path;
 const WAL_FILE: &str = "journal.db-wal";
 const PAGE: usize = 4096;
 
-/// What the writer does.
+/// Action of the writer.
 #[derive(Debug, Clone)]
 enum Step {
     /// Appends this many records in one batch.
@@ -20,7 +20,7 @@ enum Step {
     Commit,
 }
 
-/// The files of a journal at one moment.
+/// Files of a journal at one moment.
 #[derive(Debug, Clone, Default)]
 struct Files {
     about: Vec<u8>,
@@ -28,22 +28,22 @@ struct Files {
     wal: Vec<u8>,
     recorder: Vec<u8>,
     spilled: Vec<(String, Vec<u8>)>,
-    /// What was reported as safe.
+    /// Last event that was reported as safe.
     safe: u64,
 }
 
-/// What the power cut chooses.
+/// Random effects of the power cut.
 #[derive(Debug, Clone)]
 struct Cut {
-    /// After which step it comes.
+    /// Step after which the power cut occurs.
     after: Index,
-    /// How much of the write-ahead log that was not synced is there.
+    /// Surviving part of the unsynced write-ahead log.
     wal: Index,
-    /// The age of each page of the recorder.
+    /// Age of each page of the recorder.
     pages: Vec<Index>,
-    /// How much of the recorder is there.
+    /// Surviving part of the recorder.
     recorder: Option<Index>,
-    /// How much of each spilled file is there.
+    /// Surviving part of each spilled file.
     spilled: Index,
 }
 
@@ -80,7 +80,7 @@ fn read(folder: &Path, safe: u64) -> Files {
     }
 }
 
-/// Does the steps; gives the files after each, and before the first.
+/// Executes the steps. Returns the files before the first step and after each step.
 fn history(folder: &Path, steps: &[Step]) -> Vec<Files> {
     let journal = create(folder);
     let (mut batch, mut next) = (Batch::new(0), 1);
@@ -103,10 +103,10 @@ fn history(folder: &Path, steps: &[Step]) -> Vec<Files> {
     files
 }
 
-/// The files as they may be found after a power cut, and how much must be there.
+/// Returns the files as they may be found after a power cut, and how much must be present.
 fn found(history: &[Files], cut: &Cut) -> Files {
     let now = cut.after.index(history.len());
-    // The step that the power cut interrupts wrote part of what it was to write.
+    // The interrupted step had written a part of its data.
     let interrupted = &history[(now + 1).min(history.len() - 1)];
     let synced = &history[now];
     let mut files = synced.clone();

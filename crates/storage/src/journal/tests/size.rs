@@ -1,4 +1,4 @@
-//! A journal that grows beyond its size gives up old detail: what is left is whole, and what is named can be had.
+//! A journal that exceeds its size deletes old detail. The remaining events are complete, and all values that they name exist.
 
 use crate::journal::folder::VALUES_FOLDER;
 use crate::journal::record::Content;
@@ -30,7 +30,7 @@ fn stored(number: u64, content: Content) -> Stored {
     Stored { view: json!("v".repeat(200) + &number.to_string()), type_name: "T".into(), content }
 }
 
-/// A run of `rounds` states; each has an output of its own, and an input and a scoped variable that never change.
+/// Runs `rounds` states. Each has an output of its own, and an input and a scoped variable that never change.
 fn run(journal: &Journal, rounds: u64) -> Option<u64> {
     let mut batch = Batch::new(0);
     let mut thinned = None;
@@ -64,7 +64,7 @@ fn options(size_max: u64) -> Options {
     Options { size_max, ..Options::default() }
 }
 
-/// Every event that can be read, and every value that one of them names.
+/// Reads every event, and every value that one of them names.
 fn read(folder: &Path, before: u64) -> (u64, u64) {
     let mut reader = Reader::open(folder).unwrap();
     let page = reader.page(1, usize::MAX).unwrap();

@@ -1,4 +1,4 @@
-//! Journals that are not ours to write.
+//! Journals of other versions, which must not be written.
 
 use super::{SMALL, append, create};
 use crate::journal::folder::{ABOUT_FILE, DATABASE_FILE};

@@ -1,5 +1,5 @@
-//! Libraries: machines that other machines use. Finds each from its path and name, reads it once and shares it.
-//! Knows roots, and the machines that are being read.
+//! Libraries: machines that other machines use. Finds each by its path and name, reads it once and shares it. Tracks the machines
+//! that are being read, to detect cycles.
 
 mod roots;
 mod tree;

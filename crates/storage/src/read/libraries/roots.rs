@@ -1,5 +1,4 @@
-//! The library roots from the config, the environment and the command line. Knows names and folders; reads
-//! no library.
+//! Library roots from the config, the environment and the command line. Determines names and folders, and reads no library.
 
 use crate::config::{Config, Environment, clean_path};
 use smol_str::SmolStr;

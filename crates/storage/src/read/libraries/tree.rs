@@ -1,4 +1,4 @@
-//! Lists the libraries below the roots, for a choice by people. Knows folders and headers, reads no states.
+//! Lists the libraries below the roots, for selection by people. Examines folders and headers, and reads no states.
 
 use super::{Libraries, Root};
 use crate::files::{HEADER, YAML_HEADER};

@@ -1,5 +1,5 @@
-//! Calls as wide as they are drawn: those that are too narrow come together. So an answer is as long as the picture is wide, however
-//! much happened. Knows times and pixels.
+//! Calls for a drawing of a given width. Narrow calls are merged, so that the size of the result depends on the width and not on
+//! the number of events. Handles times and pixels.
 
 use super::blocks::RowSum;
 use super::calls::{BarRow, Call};
@@ -7,34 +7,34 @@ use crate::journal::record::{PlaceNumber, Places};
 use rafcon_protocol::api::{CallEnd, OverviewBar, OverviewRow};
 use std::collections::BTreeMap;
 
-/// Below this width in pixels calls come together.
+/// Minimum width of a single call in pixels. Narrower calls are merged.
 const NARROW: u64 = 2;
 
-/// A part of a run's time, drawn so wide.
+/// A part of a run's time, and the width of its drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span {
-    /// From here, in ns since the start of the run.
+    /// Start of the part, in ns since the start of the run.
     pub from_ns: u64,
-    /// To here.
+    /// End of the part, in ns since the start of the run.
     pub to_ns: u64,
-    /// The width.
+    /// Width of the drawing in pixels.
     pub pixels: u32,
 }
 
 impl Span {
-    /// The time in which a call is too narrow to be drawn alone.
+    /// Returns the duration below which a call is too narrow to be drawn alone.
     fn narrow_ns(self) -> u64 {
         let length = self.to_ns.saturating_sub(self.from_ns);
         (length.saturating_mul(NARROW) / u64::from(self.pixels.max(1))).max(1)
     }
 
-    /// Whether something that lasted so long shows.
+    /// Returns true if a call with these times is visible.
     pub(super) fn shows(self, from_ns: u64, to_ns: Option<u64>) -> bool {
         from_ns <= self.to_ns && to_ns.is_none_or(|to_ns| to_ns >= self.from_ns)
     }
 }
 
-/// Bars by row, as they come.
+/// Bars by row, in the order of their arrival.
 #[derive(Debug)]
 pub(super) struct Bars {
     span: Span,
@@ -81,12 +81,12 @@ impl Bars {
         }
     }
 
-    /// The rows, and the paths of the places that they name.
+    /// Returns the rows, and the paths of the places to which they refer.
     pub(super) fn finish(self, places: &Places) -> (Vec<OverviewRow>, Vec<String>) {
         let mut paths = Paths { places, numbers: BTreeMap::new(), known: Vec::new() };
         let narrow_ns = self.narrow_ns;
         let rows = self.rows.into_values().filter_map(|mut bars| {
-            // What began before it was known to be long comes last.
+            // A call whose length was unknown at its start comes last.
             bars.sort_by_key(|bar| (bar.from_ns, bar.first));
             bars.dedup_by(|bar, last| {
                 let is_one = joins(last, bar, narrow_ns);
@@ -104,7 +104,7 @@ impl Bars {
     }
 }
 
-/// Whether two narrow ones begin in the same pixels.
+/// Returns true if two narrow bars start in one range of pixels.
 fn joins(last: &Bar, bar: &Bar, narrow_ns: u64) -> bool {
     let is_narrow =
         |bar: &Bar| bar.to_ns.is_some_and(|to_ns| to_ns.saturating_sub(bar.from_ns) < narrow_ns);
@@ -124,7 +124,7 @@ impl Bar {
     }
 }
 
-/// Paths by the numbers that an answer has for them.
+/// Paths by their index in the result.
 struct Paths<'p> {
     places: &'p Places,
     numbers: BTreeMap<PlaceNumber, u32>,

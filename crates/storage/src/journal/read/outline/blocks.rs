@@ -1,14 +1,14 @@
-//! A run in at most so many blocks of events: of each, what ran in it by row, and the calls that reach into it from before. Where a run
-//! grows, two blocks become one. Knows calls; not why they are drawn.
+//! A run as a limited number of blocks of events. A block has the calls in it by row, and the calls that started before it. As the
+//! run grows, pairs of blocks are merged. Handles calls, not their drawing.
 
 use super::calls::{BarRow, Call};
 use crate::journal::record::PlaceNumber;
 use rafcon_protocol::api::CallEnd;
 use std::collections::BTreeMap;
 
-/// At most so many blocks.
+/// Maximum number of blocks.
 const BLOCKS_MAX: usize = 4096;
-/// A block begins with so many events.
+/// Initial number of events in a block.
 const EVENTS: u64 = 1024;
 
 /// The blocks of a run.
@@ -16,29 +16,29 @@ const EVENTS: u64 = 1024;
 pub(super) struct Blocks {
     done: Vec<Block>,
     current: Block,
-    /// So many events are a block.
+    /// Current number of events in a block.
     every: u64,
 }
 
-/// Events that follow one another.
+/// Consecutive events of a run.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Block {
-    /// The first event; 0: there is none.
+    /// Number of the first event. 0 if the block is empty.
     pub(super) first: u64,
     pub(super) last: u64,
     pub(super) from_ns: u64,
     pub(super) to_ns: u64,
-    /// The calls that began and ended in it, together by row.
+    /// Calls that started and ended in the block, combined by row.
     rows: BTreeMap<BarRow, RowSum>,
-    /// The calls that ended in it and began before it.
+    /// Calls that ended in the block and started before it.
     crossing: Vec<Call>,
 }
 
-/// Calls of a row that follow one another.
+/// Consecutive calls of a row.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowSum {
     pub(super) row: BarRow,
-    /// The place of the first, its entry and its end.
+    /// Place, entry and end of the first call.
     pub(super) place: PlaceNumber,
     pub(super) first: u64,
     pub(super) from_ns: u64,
@@ -55,7 +55,7 @@ impl Default for Blocks {
 }
 
 impl Blocks {
-    /// An event happened.
+    /// Adds an event to the current block.
     pub(super) fn event(&mut self, sequence: u64, t_ns: u64) {
         if self.current.first != 0 && sequence >= self.current.first + self.every {
             self.done.push(std::mem::take(&mut self.current));
@@ -70,7 +70,7 @@ impl Blocks {
         (block.last, block.to_ns) = (sequence, t_ns);
     }
 
-    /// The event ended a call.
+    /// Adds a call that the event ended.
     pub(super) fn ended(&mut self, call: Call) {
         self.current.add(call);
     }

@@ -1,4 +1,4 @@
-//! The calls of a run: each entry of a state with its end, as events come. Knows records, but not what becomes of a call.
+//! Calls of a run: each entry of a state with its end, in the order of events. Handles records, not the use of the calls.
 
 use super::super::Entry;
 use crate::journal::record::{PlaceNumber, Places, Record};
@@ -7,35 +7,35 @@ use rafcon_protocol::Event;
 use rafcon_protocol::api::CallEnd;
 use std::collections::BTreeSet;
 
-/// Calls that never run side by side.
+/// A row of calls that never overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum BarRow {
-    /// Of one place: the root, or a child of a concurrent container.
+    /// Calls of one place: the root, or a child of a concurrent container.
     Of(PlaceNumber),
-    /// Of all children of a container.
+    /// Calls of all children of a container.
     In(PlaceNumber),
 }
 
-/// A call that is over, or goes on.
+/// A call of a state, finished or active.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Call {
     pub(super) place: PlaceNumber,
-    /// The calls that it is drawn beside.
+    /// Row in which the call is drawn.
     pub(super) row: BarRow,
-    /// The event that it was entered by.
+    /// Event by which it was entered.
     pub(super) first: u64,
     pub(super) from_ns: u64,
-    /// None while it goes on.
+    /// `None` while the call is active.
     pub(super) to_ns: Option<u64>,
     pub(super) end: CallEnd,
 }
 
-/// The calls that go on.
+/// Calls that are active.
 #[derive(Debug, Clone, Default)]
 pub(super) struct OpenCalls {
-    /// In the order in which they began.
+    /// Active calls in the order of their starts.
     open: Vec<Open>,
-    /// Containers of which two children ran at once.
+    /// Containers with children that ran concurrently.
     concurrent: BTreeSet<PlaceNumber>,
 }
 
@@ -49,17 +49,17 @@ struct Open {
 }
 
 impl OpenCalls {
-    /// Containers of which two children ran at once.
+    /// Returns the containers with children that ran concurrently.
     pub(super) fn concurrent(&self) -> &BTreeSet<PlaceNumber> {
         &self.concurrent
     }
 
-    /// All that go on.
+    /// Returns all active calls.
     pub(super) fn calls(&self) -> impl Iterator<Item = Call> {
         self.open.iter().map(|open| self.call(open, None, CallEnd::Open))
     }
 
-    /// Goes on by an event; passes on the calls that it ends.
+    /// Processes an event. Passes on the calls that it ends.
     pub(super) fn take(&mut self, entry: &Entry, places: &Places, mut ended: impl FnMut(Call)) {
         match &entry.record {
             Record::Entered { place, undoes, .. } => {
@@ -102,7 +102,7 @@ impl OpenCalls {
         self.open.iter().any(|open| open.around == around)
     }
 
-    /// Ends the open call of a place, and what is open inside it.
+    /// Ends the active call of a place, and all active calls inside it.
     fn close(
         &mut self,
         place: PlaceNumber,

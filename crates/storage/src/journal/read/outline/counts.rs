@@ -1,11 +1,11 @@
-//! What states did so far: how often and how long, and their last entries and ends. Knows records; each is counted once.
+//! Activity of states up to an event: number and duration of executions, last entries and ends. Counts each record once.
 
 use super::super::{Entry, outcome_of};
 use crate::journal::record::{PlaceNumber, Places, Record};
 use rafcon_protocol::api::{EarlierState, EndTime, EventTime};
 use std::collections::BTreeMap;
 
-/// What each state did, by the number of its place: its size follows from the number of places, not from their numbers.
+/// Activity of each state, by the number of its place. The size depends on the number of places, not on their numbers.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Counts(BTreeMap<PlaceNumber, StateCount>);
 

@@ -1,7 +1,7 @@
-//! The outline of a run: bounded, however long the run is, and gone on with as it grows. From it any part of the run can be drawn as wide
-//! as it is looked at, and what had been before any event is known after reading little.
+//! Outline of a run: limited in size, however long the run is, and extended as the run grows. It allows drawing any part of the run
+//! at any width, and finding the activity before any event, after reading few events.
 //!
-//! Knows records; knows nothing of clients.
+//! Handles records, not clients.
 
 mod bars;
 mod blocks;
@@ -23,14 +23,14 @@ use rafcon_protocol::{Event, LogLevel};
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
-/// At most so many events that are worth a mark, the newest.
+/// Maximum number of stored notable events. The newest are kept.
 const NOTABLE_MAX: usize = 5000;
-/// At most so many places from which to go on.
+/// Maximum number of positions from which reading can continue.
 const STARTS_MAX: usize = 128;
-/// They lie so many events apart at first.
+/// Initial interval between these positions, in events.
 const START_EVERY: u64 = 8192;
 
-/// The outline of a run so far.
+/// Outline of a run up to the last processed event.
 #[derive(Debug)]
 pub struct Outline {
     sequence: u64,
@@ -43,7 +43,7 @@ pub struct Outline {
     start_every: u64,
 }
 
-/// How it was after an event: from there the rest is read.
+/// State of the outline after an event. Reading can continue from there.
 #[derive(Debug, Clone, Default)]
 struct Start {
     sequence: u64,
@@ -67,12 +67,12 @@ impl Default for Outline {
 }
 
 impl Outline {
-    /// When the last event happened that it knows, in ns since the start of the run.
+    /// Returns the time of the last processed event, in ns since the start of the run.
     pub fn t_ns(&self) -> u64 {
         self.t_ns
     }
 
-    /// Goes on to the last event that there is so far.
+    /// Processes all events up to the current end of the run.
     pub fn go_on(&mut self, reader: &mut Reader) -> Result<(), JournalError> {
         let mut failed = None;
         reader.each_without_values(self.sequence + 1, |reader, entry| {
@@ -87,7 +87,7 @@ impl Outline {
         failed.map_or(Ok(()), Err)
     }
 
-    /// The calls of a part of the run's time, as wide as they are drawn.
+    /// Returns the calls in a part of the run's time, for a drawing of a given width.
     pub fn overview(&self, reader: &mut Reader, span: Span) -> Result<Overview, JournalError> {
         let mut bars = Bars::new(span);
         let overlaps = |block: &&Block| block.to_ns >= span.from_ns && block.from_ns <= span.to_ns;
@@ -104,7 +104,7 @@ impl Outline {
         } else if many > 0 {
             self.calls(reader, first, last, &mut bars)?;
         }
-        // What was read event by event has told of the calls that end in it.
+        // Events that were read individually have already yielded the calls that end in them.
         let untold = self.blocks.all().filter(|block| block.to_ns >= span.from_ns);
         let untold = untold.filter(|block| is_wide || many == 0 || block.first > last);
         let crossing = untold.flat_map(Block::crossing).copied();
@@ -118,7 +118,7 @@ impl Outline {
         Ok(Overview { sequence: self.sequence, t_ns: self.t_ns, concurrent, paths, rows })
     }
 
-    /// What states did up to an event, and what is worth a mark up to there.
+    /// Returns the activity of states up to an event, and the notable events up to it.
     pub fn earlier(
         &self,
         reader: &mut Reader,
@@ -157,7 +157,7 @@ impl Outline {
         })
     }
 
-    /// The last place from which to go on up to an event.
+    /// Returns the last position before or at an event from which reading can continue.
     fn start(&self, sequence: u64) -> &Start {
         let behind = self.starts.partition_point(|start| start.sequence <= sequence);
         &self.starts[behind.saturating_sub(1)]
@@ -202,7 +202,7 @@ impl Outline {
     }
 }
 
-/// Whether an event is worth a mark.
+/// Returns true if an event is notable.
 fn is_notable(record: &Record) -> bool {
     match record {
         Record::Left { outcome, error, undoes, .. } => {
