@@ -1,4 +1,4 @@
-//! Checks of questions' forms and of the answers to them.
+//! Checks the forms of questions, and answers against them.
 
 use crate::Form;
 use serde_json::Value;

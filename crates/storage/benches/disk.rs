@@ -1,4 +1,4 @@
-//! Loading and saving a machine of some size, with a warm file cache.
+//! Loading and saving a machine of realistic size, with a warm file cache.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use rafcon_model::{Machine, State};

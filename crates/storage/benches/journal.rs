@@ -1,4 +1,4 @@
-//! What a journal costs: an executed state on its way into the recorder, with the commits behind it, and a machine that is kept.
+//! Cost of a journal: appending an executed state to the recorder, including the commits, and storing a machine.
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use rafcon_model::{Machine, State};

@@ -1,4 +1,4 @@
-//! Whether a run has begun, and what becomes of a journal without an event.
+//! Detection of runs that have begun, and handling of journals without events.
 
 use rafcon_storage::journal::folder::{ABOUT_FILE, DATABASE_FILE, RECORDER_FILE};
 use rafcon_storage::journal::{

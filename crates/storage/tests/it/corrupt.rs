@@ -1,6 +1,7 @@
-//! Journals of which any byte of any file is another: what is read is what was written, or it is said that it cannot be.
+//! Journals in which one byte of any file is changed: the data read is the data written, or the damage is reported.
 //!
-//! The seeds begin at the day's date; `RAFCON_TEST_SEED` gives another first one, `RAFCON_TEST_CORRUPTIONS` their count.
+//! The default seeds start at the current date. `RAFCON_TEST_SEED` sets the first seed, `RAFCON_TEST_CORRUPTIONS` the number of
+//! seeds.
 
 use crate::reader::PLACES;
 use rafcon_protocol::Event;
@@ -21,10 +22,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Small, so that moments are kept.
 const OPTIONS: Options = Options { size_max: 1 << 20, recorder_bytes: 1 << 16 };
 const PAGE: usize = 4096;
-/// So many corruptions in a usual run of the tests.
+/// Number of corruptions in a normal test run.
 const FEW: u64 = 24;
 
-/// What all readers say of a run that is as it was written.
+/// Results of all readers for an undamaged run.
 #[derive(Debug)]
 struct Truth {
     events: BTreeMap<u64, String>,
@@ -34,7 +35,7 @@ struct Truth {
     about: About,
 }
 
-/// Splitmix64: the same numbers for the same seed, everywhere.
+/// Splitmix64, which gives identical numbers for a seed on every computer.
 struct Random(u64);
 
 impl Random {
@@ -51,7 +52,7 @@ impl Random {
     }
 }
 
-/// A run with values of all sizes. If it died, it is as its runner left it: the last part is only in the recorder.
+/// Writes a run with values of all sizes. If it died, its last part is only in the recorder.
 fn keep(run: &Path, died: bool) {
     let place = tempfile::tempdir().unwrap();
     let inner = place.path().join("run");
@@ -81,7 +82,7 @@ fn keep(run: &Path, died: bool) {
         }
     }
     if died {
-        // The database is tidied up when it is closed.
+        // Closing a journal cleans up its database.
         copy(folder, run);
     } else {
         let end = r#"told {"type": "finished", "outcome": {"id": 0, "name": "done"}, "outputs": {}, "globals": {}, "scoped_variables": {}, "states_run": 210}"#;
@@ -109,7 +110,7 @@ fn round_text(round: u32) -> String {
     )
 }
 
-/// Adds what a text says to a batch; its values get numbers of their own.
+/// Adds the items of a text to a batch. Its values get numbers of their own.
 fn add(text: &str, with_places: bool, value: &mut u64, batch: &mut Batch) {
     let mut numbers = BTreeMap::new();
     for item in journal_notation::parse(&format!("{PLACES}\n{text}")).unwrap() {
@@ -161,7 +162,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Changes a file of a run; says what it did.
+/// Changes a file of a run and describes the change.
 fn corrupt(folder: &Path, random: &mut Random) -> String {
     let mut files = files_in(folder);
     files.retain(|file| fs::metadata(file).unwrap().len() > 0);
@@ -204,7 +205,7 @@ fn corrupt(folder: &Path, random: &mut Random) -> String {
     format!("{}: {what}", file.strip_prefix(folder).unwrap().display())
 }
 
-/// Events by number as text, and the first and last number of what is damaged.
+/// Events by number as text, and the first and last numbers of damaged ranges.
 type Events = (BTreeMap<u64, String>, Vec<(u64, u64)>);
 
 fn events(reader: &mut Reader) -> Result<Events, JournalError> {
@@ -265,10 +266,10 @@ fn truth(folder: &Path) -> Truth {
     }
 }
 
-/// The words that stand for a value which cannot be read.
+/// Start of the text that replaces an unreadable value.
 const MARK: &str = "<damaged";
 
-/// Whether what is told is true, or says where it is not.
+/// Returns true if the data equals the truth, except where it reports damage.
 fn same(told: &Value, truth: &Value) -> bool {
     match (told, truth) {
         (Value::Object(told), Value::Object(truth)) => {
@@ -299,7 +300,7 @@ fn same_line(told: &str, truth: &str) -> bool {
     time == true_time && same(&event, &true_event)
 }
 
-/// Reads a corrupted run in every way; an error says what was told wrongly.
+/// Reads a corrupted run in every way. The error describes wrong data.
 fn read(folder: &Path, clean: &Path, truth: &Truth) -> Result<(), String> {
     if run_folders(folder.parent().unwrap()).is_err() {
         return Ok(());
@@ -369,7 +370,7 @@ fn check_events(reader: &mut Reader, truth: &Truth) -> Result<(), String> {
     Ok(())
 }
 
-/// A run is resumed with what it was, or not, or it says what it lost.
+/// Resumes a run. It must have all its data, refuse, or report what it lost.
 fn resume(folder: &Path, truth: &Truth) -> Result<(), String> {
     let Ok((journal, resume_point)) = Journal::resume(folder, &OPTIONS) else { return Ok(()) };
     let last = truth.events.len() as u64;
@@ -410,7 +411,7 @@ fn what_is_read_of_a_corrupted_journal_is_true() {
     let truths: Vec<Truth> = clean
         .iter()
         .map(|run| {
-            // What is read may leave files beside it.
+            // Reading may leave files beside the database.
             let read = tempfile::tempdir().unwrap();
             copy(run, &read.path().join("run"));
             truth(&read.path().join("run"))

@@ -1,5 +1,5 @@
-//! Journals and the system around them: processes that are killed while they write, disks that are full or read-only, two
-//! processes that want one run.
+//! Journals and the operating system: processes killed while they write, disks that are full or read-only, two processes that open
+//! one run.
 
 use rafcon_storage::journal::{
     About, Batch, Journal, JournalError, Kept, Options, Place, PlaceNumber, Reader, Record,
@@ -12,15 +12,15 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 
-/// Where the child is to write; not set in a usual run of the tests.
+/// Variable with the folder for the child process. Not set in a normal test run.
 const FOLDER: &str = "RAFCON_TEST_JOURNAL";
-/// How often a process is killed, where 20 times are not enough.
+/// Variable with the number of kills. The default is 20.
 const KILLS: &str = "RAFCON_TEST_KILLS";
 /// Small, so that it is full now and then.
 const OPTIONS: Options = Options { size_max: u64::MAX, recorder_bytes: 1 << 16 };
 
-/// Appends numbered entries until it is killed, a few at once, and says after each batch how many there are; another thread
-/// commits all the time. Does nothing in a usual run.
+/// Appends numbered entries in small batches until it is killed, and prints their number after each batch. Another thread commits
+/// all the time. Has no effect in a normal test run.
 #[test]
 fn appends_until_it_is_killed() {
     let Some(folder) = env::var_os(FOLDER) else { return };
@@ -55,21 +55,21 @@ fn entered(batch: &mut Batch, place: u32) {
     batch.entered(u64::from(place), PlaceNumber(place), [Kept::Int(7)], None);
 }
 
-/// A process of its own that does the test of this name, in `folder`.
+/// Starts a process that executes the test of this name in `folder`.
 fn child(test: &str, folder: &Path) -> Command {
     let mut command = Command::new(env::current_exe().unwrap());
     command.args(["--exact", &format!("journal::{test}"), "--nocapture"]).env(FOLDER, folder);
     command
 }
 
-/// Kills the child after it has appended `batches` batches; how many entries it said there are.
+/// Kills the child after it has appended `batches` batches. Returns the last number of entries that it printed.
 fn killed(mut child: Child, batches: usize) -> u64 {
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
     let said = |line: String| line.rsplit_once("appended ")?.1.parse().ok();
     let mut count = lines.by_ref().filter_map(said).take(batches).last().unwrap();
     child.kill().unwrap();
     child.wait().unwrap();
-    // What the pipe still holds was said too.
+    // Output that remains in the pipe counts as well.
     if let Some(last) = lines.filter_map(said).last() {
         count = last;
     }
@@ -121,7 +121,8 @@ fn one_process_writes_a_run() {
     Journal::resume(folder.path(), &OPTIONS).unwrap();
 }
 
-/// Fills its disk, which ends at a limit for files, says so, gets more room and loses nothing. Does nothing in a usual run.
+/// Fills its disk up to a limit for files, reports it, continues after the limit is raised, and loses no data. Has no effect in a
+/// normal test run.
 #[test]
 fn fills_its_disk() {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -156,7 +157,7 @@ fn fills_its_disk() {
 fn a_full_disk_is_named_and_loses_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let child = child("fills_its_disk", folder.path());
-    // A signal that is ignored stays ignored in the program that follows.
+    // A signal that is ignored remains ignored in the program that follows.
     let limited = Command::new("sh")
         .args(["-c", "trap '' XFSZ; ulimit -S -f 400; exec \"$0\" \"$@\""])
         .arg(child.get_program())

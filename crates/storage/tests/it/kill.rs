@@ -1,4 +1,4 @@
-//! A process that saves again and again is killed at moments that no one chose; what is on disk is one of its machines.
+//! A process that saves repeatedly is killed at arbitrary moments. The disk then has one of its machines.
 
 use crate::folders::read;
 use rafcon_model::Machine;
@@ -9,9 +9,9 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Where the child is to save; not set in a usual run of the tests.
+/// Variable with the folder for the child process. Not set in a normal test run.
 const FOLDER: &str = "RAFCON_TEST_SAVE_UNTIL_KILLED";
-/// How often a process is killed, where 12 times are not enough.
+/// Variable with the number of kills. The default is 12.
 const KILLS: &str = "RAFCON_TEST_KILLS";
 
 /// Two machines that differ in many files.
@@ -24,7 +24,7 @@ fn machines() -> [Machine; 2] {
     })
 }
 
-/// The child: does nothing in a usual run.
+/// The child process. Has no effect in a normal test run.
 #[test]
 fn saves_until_it_is_killed() {
     let Some(dir) = env::var_os(FOLDER) else { return };

@@ -1,4 +1,4 @@
-//! The same machine in every layout, from `tests/fixtures/layouts`.
+//! One machine in every layout, from `tests/fixtures/layouts`.
 
 use crate::folders::{copy, files, libraries, read, repository};
 use rafcon_model::{Machine, notation};
@@ -15,7 +15,7 @@ fn libraries_of_fixtures() -> Libraries {
     libraries(&repository("tests/fixtures/layouts/libraries"))
 }
 
-/// The machine without what differs from version to version.
+/// Returns the machine without data that differs between versions.
 fn shown(machine: &Machine) -> String {
     let mut machine = machine.clone();
     machine.header.used_rafcon_version = None;

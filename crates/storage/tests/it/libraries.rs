@@ -19,7 +19,7 @@ fn libraries(dir: &Path) -> Libraries {
     Libraries::new(vec![Root { name: "lib".into(), dir: dir.join("libs") }])
 }
 
-/// Saves libraries (name, text) and a machine, loads the machine, shows it and what is wrong.
+/// Saves libraries (name, text) and a machine, loads the machine, and shows it with its problems.
 fn check(library: &[(&str, &str)], text: &str, expect: &Expect) {
     let dir = tempfile::tempdir().unwrap();
     for (name, text) in library {

@@ -1,4 +1,4 @@
-//! Storage from outside: machines of every layout, random machines, and the reference reading what we write.
+//! Storage from outside: machines of every layout, random machines, and machines exchanged with the reference.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
 

@@ -346,7 +346,7 @@ const RICH: &str = r#"
     place R/D/E/F "R/D/E/F" script in f out g outcome ok
 "#;
 
-/// Records that could happen one after the other: each choice is a place and what is to happen there, if it can.
+/// Returns records that can follow each other. Each choice is a place and an event to record there, if it is possible.
 fn possible(choices: &[(u32, u8, i64)]) -> Vec<Record> {
     let mut places = Places::default();
     for item in journal_notation::parse(RICH).unwrap() {

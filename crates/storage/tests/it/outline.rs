@@ -1,4 +1,4 @@
-//! Journals from text in outline: what is drawn of them, what had been before an event, what a search finds.
+//! Outlines of journals from text: the drawing, the activity before an event, the results of a search.
 
 use expect_test::{Expect, expect};
 use proptest::prelude::*;
@@ -48,7 +48,7 @@ fn drawn(overview: &Overview) -> String {
     text
 }
 
-/// What a text says between two times in ms, on so many pixels.
+/// Checks the drawing of a text between two times in ms, with this width in pixels.
 fn check(text: &str, [from, to]: [u64; 2], pixels: u32, expect: &Expect) {
     let folder = tempfile::tempdir().unwrap();
     let mut reader = reader(folder.path(), text);
@@ -203,7 +203,7 @@ fn names_outcomes_and_lines_are_found_page_by_page() {
 
 const NOTHING: [Kept; 0] = [];
 
-/// A loop of two states, so many rounds, a call of 1 ms each.
+/// Writes a run of a loop of two states, with this number of rounds and calls of 1 ms each.
 fn long_run(folder: &Path, rounds: u64) -> Reader {
     let journal = Journal::create(folder, &About::default(), &Options::default()).unwrap();
     let items = journal_notation::parse(MACHINE).unwrap();
@@ -238,7 +238,7 @@ fn many_of(overview: &Overview) -> u64 {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
-    /// Drawn by blocks or event by event, each call is counted once; and what had been before an event is what a count of all gives.
+    /// Each call is counted once, in drawings by blocks or event by event. The activity before an event equals a full count.
     #[test]
     fn a_long_run_is_drawn_whole_however_wide(rounds in 1_000..8_000_u64, pixels in 1..400_u32, part in 0..100_u64) {
         let folder = tempfile::tempdir().unwrap();

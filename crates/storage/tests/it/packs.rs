@@ -1,4 +1,4 @@
-//! Any machine that a run keeps comes back as it was, with its libraries.
+//! Any machine that a run stores is restored unchanged, with its libraries.
 
 use crate::arbitrary::{Shown, machine};
 use crate::folders::read;

@@ -1,4 +1,4 @@
-//! Any machine reads back as it was written.
+//! Any machine is read as it was written.
 
 use crate::arbitrary::{Shown, machine};
 use crate::folders::{files, read};
@@ -13,7 +13,7 @@ const DOCUMENTS: [&str; 3] = [
     include_str!("../../../../tests/fixtures/layouts/0.7.12/machine/ROOTAA/SEARCH/core_data.json"),
 ];
 
-/// The first line in which the two differ.
+/// Returns the first line in which the two differ.
 fn first_difference(found: &Machine, expected: &Machine) -> Option<(String, String)> {
     let (found, expected) = (print(found), print(expected));
     let mut lines = found.lines().zip(expected.lines());
@@ -21,7 +21,7 @@ fn first_difference(found: &Machine, expected: &Machine) -> Option<(String, Stri
     Some((pair.0.to_owned(), pair.1.to_owned()))
 }
 
-/// Pieces of JSON that fit nowhere and everywhere.
+/// Pieces of JSON that are valid in various places.
 const PIECES: [&str; 12] = [
     "{}",
     "[]",

@@ -30,7 +30,7 @@ const RUN: &str = r#"
     told {"type": "waiting", "path": "R/H", "reason": "no transition"}
 "#;
 
-/// A run of this text, of which everything before the mark `---` is committed; its runner has died.
+/// Writes a run of this text whose runner has died. Everything before the mark `---` is committed.
 fn dead_run(folder: &Path, text: &str) -> Reader {
     let about = About { name: "test".to_owned(), ..About::default() };
     let journal = Journal::create(folder, &about, &Options::default()).unwrap();

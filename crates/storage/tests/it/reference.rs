@@ -1,5 +1,5 @@
-//! The reference reads what we save, and we read what it saves: the same machine. Needs an interpreter with the PyPI
-//! package `rafcon` in `RAFCON_REFERENCE_PYTHON`; `cargo xtask test` sets it.
+//! Machines survive saving by us and loading by the reference, and the reverse. Needs an interpreter with the PyPI package `rafcon`
+//! in `RAFCON_REFERENCE_PYTHON`; `cargo xtask test` sets it.
 
 use crate::folders::{copy, files, libraries, read, repository};
 use rafcon_model::{Json, Machine, json, notation};
@@ -31,7 +31,7 @@ if machine is None:
 storage.save_state_machine_to_path(machine, target, as_copy=True)
 "#;
 
-/// The interpreter, or a line that says why there is none.
+/// Returns the interpreter. Prints a line with the reason if it is missing.
 #[expect(clippy::print_stdout, reason = "who runs the tests should see that one was skipped")]
 fn python() -> Option<PathBuf> {
     let python = env::var_os("RAFCON_REFERENCE_PYTHON").map(PathBuf::from);
@@ -51,7 +51,7 @@ fn through_the_reference(python: &Path, from: &Path, to: &Path, roots: &[String]
     assert!(output.status.success(), "{}: {said}", from.display());
 }
 
-/// The machine without layout, which the reference's core does not write, and as the reference would name its writer.
+/// Returns the machine without layout, which the reference's core does not write, and with the reference as its writer.
 fn core_of(machine: &Machine) -> String {
     let mut machine = machine.clone();
     machine.header.used_rafcon_version = None;
@@ -59,7 +59,7 @@ fn core_of(machine: &Machine) -> String {
     notation::print_with(&machine, shown)
 }
 
-/// Saves the machine in `dir`, lets the reference copy it, and compares.
+/// Saves the machine in `dir`, copies it with the reference, and compares.
 fn check(python: &Path, dir: &Path, libraries: &Libraries, roots: &[String]) {
     let work = tempfile::tempdir().unwrap();
     let (ours, theirs) = (work.path().join("ours"), work.path().join("theirs"));
@@ -71,7 +71,7 @@ fn check(python: &Path, dir: &Path, libraries: &Libraries, roots: &[String]) {
     compare_bytes(&ours, &theirs);
 }
 
-/// Both wrote the same files; those of states are the same byte for byte.
+/// Checks that both wrote equal sets of files, and that files of states are identical byte for byte.
 fn compare_bytes(ours: &Path, theirs: &Path) {
     let (ours, theirs) = (files(ours), files(theirs));
     for (path, bytes) in &theirs {
@@ -144,7 +144,7 @@ fn machines_of_the_reference_keep_every_byte() {
     assert!(count > 10, "{count} machines");
 }
 
-/// The document in `bytes`, without what older releases left out.
+/// Returns the document in `bytes`, without parts that older releases omitted.
 fn known(bytes: &[u8]) -> Json {
     let mut document = json::parse(&String::from_utf8_lossy(bytes)).unwrap();
     for key in ["income", "description"] {

@@ -1,4 +1,4 @@
-//! Journals of any content, sent in parts of any size, some of them twice, to replicas that are opened again and again.
+//! Journals of any content, sent in parts of any size, some of them twice, to replicas that are reopened repeatedly.
 
 use expect_test::expect;
 use proptest::prelude::*;
@@ -33,7 +33,7 @@ fn write(folder: &Path, rounds: &[usize]) {
     journal.close().unwrap();
 }
 
-/// All events, their names and all values.
+/// Returns all events, their names and all values.
 fn whole(folder: &Path) -> (Vec<Entry>, Vec<String>, Vec<Option<Stored>>) {
     let mut reader = Reader::open(folder).unwrap();
     let entries = reader.page(1, usize::MAX).unwrap();
@@ -59,10 +59,10 @@ proptest! {
         let open = || Replica::open(station.path(), &About::default(), &SMALL).unwrap();
         let mut replica = open();
         for (first, more, bytes_max, dies) in parts {
-            // Now and then from anywhere, else what comes next.
+            // Sometimes from an arbitrary event, otherwise from the next one.
             let first = if more == 0 { first } else { replica.next().saturating_sub(more / 3).max(1) };
             let read = source.read(first, head, bytes_max).unwrap();
-            // Whatever was read before, it is the same.
+            // The result must not depend on earlier reads.
             let mut fresh = EventSource::open(robot.path()).unwrap();
             prop_assert_eq!(&read, &fresh.read(first, head, bytes_max).unwrap());
             if let Some(items) = read {
@@ -153,7 +153,7 @@ fn events_that_are_not_as_many_as_they_should_be_are_refused() {
     assert_eq!(replica.next(), 1);
 }
 
-/// The size of a folder with a few files.
+/// Returns the size of a folder with a few files.
 fn size(folder: &Path) -> u64 {
     std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().metadata().unwrap().len()).sum()
 }
@@ -172,12 +172,12 @@ fn a_closed_replica_of_a_few_events_is_small_also_after_it_was_read() {
     replica.close().unwrap();
     assert_eq!(Reader::open(station.path()).unwrap().last_sequence().unwrap(), head);
     assert!(size(station.path()) < 40 << 10, "{} bytes", size(station.path()));
-    // It goes on all the same.
+    // The replica can be continued nevertheless.
     let replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
     assert_eq!(replica.next(), head + 1);
 }
 
-/// The content of the value with this number, in the journal of a run.
+/// Returns the content of the value with this number, in the journal of a run.
 fn content(folder: &Path, number: u64) -> Content {
     Reader::open(folder).unwrap().value(ValueNumber(number)).unwrap().unwrap().content
 }
@@ -204,7 +204,7 @@ fn bytes_that_were_not_sent_are_named_by_their_hash_and_count_once_they_are_here
     let about = About { robot: Some("scout".to_owned()), ..About::default() };
     let mut replica = Replica::open(station.path(), &about, &SMALL).unwrap();
     replica.append(&items).unwrap();
-    // A station that dies and goes on.
+    // A station dies and continues.
     drop(replica);
     Replica::open(station.path(), &about, &SMALL).unwrap().close().unwrap();
     assert_eq!(content(station.path(), 90), Content::Pickle(pickles[0].clone()));

@@ -16,7 +16,7 @@ fn put(machine: &Machine, dir: &Path, previous: Option<&Saved>) -> Saved {
     save(machine, dir, previous, Naming::default()).unwrap()
 }
 
-/// The machine with the state at `path` changed; all others are shared.
+/// Returns the machine with the state at `path` changed. All other states are shared.
 fn with(machine: &Machine, path: &str, change: impl FnOnce(&mut State)) -> Machine {
     let mut changed = machine.clone();
     let ids = StatePath::parse(path).0;
@@ -29,7 +29,7 @@ fn with(machine: &Machine, path: &str, change: impl FnOnce(&mut State)) -> Machi
     changed
 }
 
-/// Paths of files that are other files than before, or new, or gone.
+/// Returns paths of files that were replaced, added or removed.
 fn changed_files(before: &[(String, u64)], after: &[(String, u64)]) -> Vec<String> {
     let differs = |file: &&(String, u64)| !(before.contains(file) && after.contains(file));
     let mut paths: Vec<_> =
@@ -207,7 +207,7 @@ fn the_root_may_change_its_kind() {
     assert!(!dir.path().join("script.py").exists());
 }
 
-/// The machine with one state whose port has this default, as JSON.
+/// Returns the machine with one state whose port has this default, as JSON.
 fn with_default(json: &str) -> Machine {
     let mut machine = machine("execution ROOTID \"one\"\n  in 0 x: object");
     let root = Arc::make_mut(&mut machine.root);
