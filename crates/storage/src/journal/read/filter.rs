@@ -16,7 +16,7 @@ pub struct Filter {
     pub text: Option<String>,
     /// Kinds of events by their names in the protocol. Empty for all.
     pub kinds: Vec<String>,
-    /// Lowest severity of log lines. Excludes all other events.
+    /// Lowest severity of log lines. Other events are not affected.
     pub level: Option<LogLevel>,
     /// Earliest time, in ns since the start of the run.
     pub from_ns: Option<u64>,
