@@ -38,14 +38,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(fs::write(out.join("page.rs"), list)?)
 }
 
-/// Compressed once, as small as possible: fonts and pictures are compressed already.
+/// Compresses as small as possible, because it happens once. Fonts and pictures are compressed already.
 fn packed(plain: &[u8]) -> std::io::Result<Vec<u8>> {
     let mut packer = GzEncoder::new(Vec::new(), Compression::best());
     packer.write_all(plain)?;
     packer.finish()
 }
 
-/// All files below a folder, by name; none if the folder does not exist.
+/// All files below a folder, sorted by name. Empty if the folder does not exist.
 fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     if !folder.is_dir() {
         return Ok(Vec::new());

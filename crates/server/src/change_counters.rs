@@ -1,10 +1,9 @@
-//! That something has changed: three counters that wake those who wait for them. Knows no more than that; the owner of the
-//! changed thing is asked for the rest.
+//! Three change counters that wake their listeners. They carry no data: listeners read the changed thing from its owner.
 
 use rafcon_supervisor::clock;
 use tokio::sync::watch;
 
-/// Counts changes of files, open machines and runs. Counting wakes everyone who waits, and costs nothing if no one does.
+/// Counts changes of files, open machines and runs. A count wakes all listeners and costs almost nothing without any.
 #[derive(Debug)]
 pub(crate) struct ChangeCounters {
     files: watch::Sender<u64>,
@@ -31,22 +30,22 @@ impl ChangeCounters {
         count(&self.machines);
     }
 
-    /// How often files have changed; with `changed`, the next time.
+    /// Counter of file changes; `changed` waits for the next one.
     pub(crate) fn of_files(&self) -> watch::Receiver<u64> {
         self.files.subscribe()
     }
 
-    /// How often open machines have changed; with `changed`, the next time.
+    /// Counter of changes of open machines; `changed` waits for the next one.
     pub(crate) fn of_machines(&self) -> watch::Receiver<u64> {
         self.machines.subscribe()
     }
 
-    /// How often runs have changed; with `changed`, the next time.
+    /// Counter of changes of runs; `changed` waits for the next one.
     pub(crate) fn of_runs(&self) -> watch::Receiver<u64> {
         self.runs.subscribe()
     }
 
-    /// The counter of runs, for each of them to count when it is different: begun, ended, resumed, in other hands.
+    /// The counter of runs. Each run increments it when it begins, ends, resumes, or changes hands.
     pub(crate) fn counter_of_runs(&self) -> watch::Sender<u64> {
         self.runs.clone()
     }

@@ -1,5 +1,4 @@
-//! Programs that the server asks something and that end soon: bounded in time and in what they may say. Does not know what
-//! they are asked.
+//! Short programs that the server runs for an answer, with a limit on time and output. Does not know the question.
 
 use std::io;
 use std::process::{ExitStatus, Stdio};
@@ -7,15 +6,15 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncReadExt as _, AsyncWriteExt as _};
 use tokio::process::Command;
 
-/// How much of a program's error output is kept.
+/// Limit on the kept bytes of a program's error output.
 const ERROR_BYTES: u64 = 4096;
 
 /// The limits of a program.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChildLimits {
-    /// How long it may take.
+    /// Timeout of the whole run.
     pub(crate) patience: Duration,
-    /// How many bytes it may write.
+    /// Limit on the output, in bytes.
     pub(crate) output: u64,
 }
 
@@ -28,24 +27,24 @@ pub(crate) struct ChildOutput {
     pub(crate) error: String,
 }
 
-/// Why a program gave no answer.
+/// Reason why a program returned no result.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ChildError {
     /// It does not exist, or cannot be started.
     #[error("it cannot be started")]
     NotStarted(#[source] io::Error),
-    /// It was ended.
+    /// It exceeded the timeout and was killed.
     #[error("it took longer than {} ms", .0.as_millis())]
     TooLong(Duration),
-    /// It was ended.
+    /// It exceeded the output limit and was killed.
     #[error("it said more than {0} bytes")]
     TooMuch(u64),
-    /// No one can talk with it.
+    /// Its pipes or its exit status cannot be read.
     #[error("it cannot be talked with")]
     Lost(#[source] io::Error),
 }
 
-/// Runs a program to its end with this input. It is ended when no one waits for it any more.
+/// Runs a program to its end with this input. Kills it if the future is dropped.
 pub(crate) async fn ask(
     mut command: Command,
     input: Vec<u8>,
@@ -57,7 +56,7 @@ pub(crate) async fn ask(
     let talk = async {
         let give = async {
             let Some(mut stdin) = stdin else { return };
-            // A program that stops reading says why in its output.
+            // A program that stops reading reports the reason in its output.
             stdin.write_all(&input).await.unwrap_or_default();
         };
         let ((), output, error) =
@@ -74,7 +73,7 @@ pub(crate) async fn ask(
     said.unwrap_or(Err(ChildError::TooLong(bounds.patience)))
 }
 
-/// Reads at most so many bytes. The rest is not read: the program ends, or is killed.
+/// Reads at most `most` bytes and leaves the rest unread: the program then ends, or is killed.
 async fn heard(from: Option<impl AsyncRead + Unpin>, most: u64) -> io::Result<Vec<u8>> {
     let mut heard = Vec::new();
     if let Some(from) = from {

@@ -1,5 +1,5 @@
-//! What the description of the routes says beside what each route says of itself: who may ask, what the door answers, words
-//! that travel on the WebSocket, examples. Knows the table of rights, but not what a route does.
+//! The shared parts of the OpenAPI description: security, refusals before the handler, WebSocket messages and examples. Knows
+//! the table of rights, but not the handlers.
 
 use crate::access;
 use axum::http::Method;
@@ -46,7 +46,7 @@ pub(crate) fn head() -> OpenApi {
     Head::openapi()
 }
 
-/// The description of all routes with what is true of each of them.
+/// Completes the description: adds to each route its rights, its refusals and its security.
 pub(crate) fn complete(mut api: OpenApi) -> OpenApi {
     let described = std::mem::take(&mut api.paths.paths);
     for (path, mut item) in described {
@@ -88,7 +88,7 @@ fn complete_operation(operation: &mut Operation, method: &Method, path: &str) {
     operation.description = Some(said.map_or(needs.clone(), |said| format!("{said}\n\n{needs}")));
 }
 
-/// The answers before the route is reached, by status.
+/// Responses sent before the handler runs, by status.
 fn refusals(operation: &Operation, right: Right) -> Vec<(&'static str, &'static str)> {
     let mut refusals = vec![("421", "The server is not called by this name")];
     if right != Right::Anyone {
@@ -112,7 +112,7 @@ fn refusal(meaning: &str) -> Response {
     response
 }
 
-/// How someone says who they are.
+/// Adds the ways to authenticate: a token or a login's cookie.
 fn add_keys(components: &mut Components) {
     let token = HttpBuilder::new()
         .scheme(HttpAuthScheme::Bearer)

@@ -6,9 +6,9 @@ use rafcon_protocol::document::{HeaderDocument, StateDocument, states_of};
 use serde_json::Result;
 use std::thread::{self, ScopedJoinHandle};
 
-/// So many states are worth a thread.
+/// Fewer states than this are not worth a thread.
 const WORTH_A_THREAD: usize = 1000;
-/// More threads than this do not make it faster.
+/// More threads than this bring no speed-up.
 const MAX_THREADS: usize = 8;
 
 /// A machine as [`rafcon_protocol::document::Document`] in JSON.
@@ -18,7 +18,7 @@ pub(crate) fn document_text(machine: &Machine) -> Result<Vec<u8>> {
     shared(machine, &states, states.len().div_ceil(threads).max(WORTH_A_THREAD))
 }
 
-/// How many states a thread writes.
+/// Writes `share` states per thread.
 fn shared(machine: &Machine, states: &[(String, &State)], share: usize) -> Result<Vec<u8>> {
     let parts: Result<Vec<_>> = thread::scope(|scope| {
         let parts = states.chunks(share).map(|states| scope.spawn(move || written(states)));

@@ -1,5 +1,5 @@
-//! What requests bring, taken apart: bodies, queries and parts of paths. What does not fit is answered as a [`Failure`], never
-//! in the words of a library. Knows axum's extractors, but not what the parts mean.
+//! Extractors for bodies, queries and path parameters. A rejection becomes a [`Failure`], never a library's message. Knows
+//! axum's extractors, but not the meaning of the parts.
 
 use crate::{Failure, ServerState};
 use axum::Json;

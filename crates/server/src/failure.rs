@@ -17,7 +17,7 @@ pub struct Failure {
     header: Option<(HeaderName, String)>,
 }
 
-/// Why a request is not served.
+/// Reason why a request fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
     /// The request cannot be understood.
@@ -26,19 +26,19 @@ pub enum Reason {
     Unauthorized,
     /// The sender may not do this.
     Forbidden,
-    /// What the request names does not exist.
+    /// The request names something that does not exist.
     NotFound,
     /// The route exists, but not for this method.
     WrongMethod,
-    /// The request does not fit what is there now.
+    /// The request conflicts with the current state.
     Conflict,
     /// The request is larger than the server takes.
     TooLarge,
     /// The request was meant for another server.
     WrongHost,
-    /// The request is understood and cannot be served with what is there.
+    /// The request is valid, but the current state does not allow it.
     Unprocessable,
-    /// Too many such requests are open, or too much is there already.
+    /// Too many such requests are open, or a limit on stored items is reached.
     TooMany,
     /// A defect of this program.
     Defect,
@@ -52,75 +52,75 @@ impl Failure {
         Self { reason, code, message: message.into(), header: None }
     }
 
-    /// Says after how many seconds the same request may succeed.
+    /// Adds `Retry-After`: the request may succeed after this many seconds.
     #[must_use]
     pub fn retry_after(self, seconds: u64) -> Self {
         Self { header: Some((RETRY_AFTER, seconds.to_string())), ..self }
     }
 
-    /// Says that a token is needed.
+    /// Adds `WWW-Authenticate`: a token is required.
     #[must_use]
     pub fn asking_for_token(self) -> Self {
         Self { header: Some((WWW_AUTHENTICATE, "Bearer".to_owned())), ..self }
     }
 
-    /// Says which methods the route has.
+    /// Adds `Allow`: the methods of the route.
     #[must_use]
     pub fn allowing(self, methods: String) -> Self {
         Self { header: Some((ALLOW, methods)), ..self }
     }
 
-    /// See [`Reason::NotFound`].
+    /// A failure with [`Reason::NotFound`].
     pub fn not_found(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::NotFound, code, message)
     }
 
-    /// See [`Reason::Bad`].
+    /// A failure with [`Reason::Bad`].
     pub fn bad(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Bad, code, message)
     }
 
-    /// See [`Reason::Conflict`].
+    /// A failure with [`Reason::Conflict`].
     pub fn conflict(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Conflict, code, message)
     }
 
-    /// See [`Reason::Unprocessable`].
+    /// A failure with [`Reason::Unprocessable`].
     pub fn unprocessable(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Unprocessable, code, message)
     }
 
-    /// See [`Reason::TooMany`].
+    /// A failure with [`Reason::TooMany`].
     pub fn too_many(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::TooMany, code, message)
     }
 
-    /// See [`Reason::TooLarge`].
+    /// A failure with [`Reason::TooLarge`].
     pub fn too_large(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::TooLarge, code, message)
     }
 
-    /// See [`Reason::Unavailable`].
+    /// A failure with [`Reason::Unavailable`].
     pub fn unavailable(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Unavailable, code, message)
     }
 
-    /// See [`Reason::Unauthorized`].
+    /// A failure with [`Reason::Unauthorized`].
     pub fn unauthorized(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Unauthorized, code, message)
     }
 
-    /// See [`Reason::Defect`].
+    /// A failure with [`Reason::Defect`].
     pub fn defect(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Defect, code, message)
     }
 
-    /// See [`Reason::Forbidden`].
+    /// A failure with [`Reason::Forbidden`].
     pub fn forbidden(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(Reason::Forbidden, code, message)
     }
 
-    /// Why the request is not served.
+    /// The reason of the failure, which determines the status.
     pub fn reason(&self) -> Reason {
         self.reason
     }
@@ -143,12 +143,12 @@ impl Failure {
         }
     }
 
-    /// The stable word for programs.
+    /// The stable code for programs.
     pub fn code(&self) -> &'static str {
         self.code
     }
 
-    /// The same, as the wire has it.
+    /// The failure as it is sent to the client.
     pub fn refusal(&self) -> Refusal {
         Refusal { code: self.code.to_owned(), message: self.message.clone() }
     }

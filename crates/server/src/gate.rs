@@ -1,16 +1,16 @@
-//! Work of one kind that takes long: some at a time, however many ask, so that threads stay free for everything else. Who waits
-//! holds no thread. Does not know what the work is.
+//! Limits how many long jobs of one kind run at once, so that threads stay free for other work. Waiting jobs hold no thread.
+//! Does not know the work.
 
 use crate::Failure;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
-/// How many run at once.
+/// Maximum number of running jobs.
 const AT_ONCE: usize = 4;
-/// How many run or wait.
+/// Maximum number of running and waiting jobs.
 const INSIDE: usize = 256;
 
-/// A gate before threads.
+/// Limits the threads that one kind of work uses.
 #[derive(Debug)]
 pub(crate) struct Gate {
     inside: Arc<Semaphore>,
@@ -24,14 +24,14 @@ impl Default for Gate {
 }
 
 impl Gate {
-    /// A gate that lets so many run at once.
+    /// A gate that runs at most `at_once` jobs at once.
     pub(crate) fn of(at_once: usize) -> Self {
         let places = |count| Arc::new(Semaphore::new(count));
         Self { inside: places(INSIDE), turns: places(at_once) }
     }
 
-    /// Does the work when its turn comes; refused if too many wait. If the caller goes away meanwhile, the work keeps its
-    /// turn to its end.
+    /// Runs the work when a slot is free. Refuses if too many jobs wait. The work keeps its slot to its end, even if the caller
+    /// goes away.
     pub(crate) async fn work<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
@@ -52,7 +52,7 @@ fn crowded() -> Failure {
     failure.retry_after(1)
 }
 
-/// Does the work on a thread of its own kind, and waits for it without holding anyone up.
+/// Runs the work on a blocking thread and awaits it.
 pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, Failure> + Send + 'static,
 ) -> Result<T, Failure> {

@@ -1,8 +1,8 @@
 //! The server: projects, open machines, runs and people behind one HTTP and WebSocket interface.
 //!
-//! Knows who may do what, what is open and what is in progress. Knows nothing of the inside of the engine or of a runner: a runner is
-//! a process that it starts or joins and speaks the protocol with. Routes and their rights stand in [`access::ROUTES`];
-//! `docs/api.md` is for whoever writes a client.
+//! Knows rights, open machines and active runs. Does not know the inside of the engine or of a runner: a runner is a process
+//! that it starts or joins and speaks the protocol with. [`access::ROUTES`] lists the routes and their rights; `docs/api.md` is
+//! the guide for authors of clients.
 
 pub mod access;
 mod change_counters;

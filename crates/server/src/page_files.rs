@@ -1,17 +1,17 @@
-//! The files of the page: carried in a release build, packed; read from their folder in a debug build. Knows names and kinds of files;
-//! knows nothing of who asks.
+//! The files of the page: embedded and compressed in a release build, read from their folder in a debug build. Knows names and
+//! types of files; does not know the client.
 
 use flate2::read::GzDecoder;
 use std::borrow::Cow;
 use std::io::Read as _;
 use std::path::PathBuf;
 
-/// Where the page's files are.
+/// Source of the page's files.
 #[derive(Debug, Clone)]
 pub enum PageFiles {
-    /// In the program itself.
+    /// Embedded in the program.
     Carried,
-    /// In a folder, read each time: what is built anew is there at once.
+    /// A folder. It is read at each request, so a rebuilt page appears at once.
     Folder(PathBuf),
 }
 
@@ -19,14 +19,14 @@ pub enum PageFiles {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PageFile {
     pub(crate) bytes: Cow<'static, [u8]>,
-    /// Whether the bytes are those of a gzip file.
+    /// The bytes are a gzip file.
     pub(crate) is_packed: bool,
-    /// As `Content-Type` wants it.
+    /// Value for `Content-Type`.
     pub(crate) kind: &'static str,
 }
 
 impl PageFile {
-    /// For the rare client that takes nothing packed.
+    /// Decompresses the file, for the rare client that does not accept gzip.
     pub(crate) fn unpacked(self) -> std::io::Result<Self> {
         if !self.is_packed {
             return Ok(self);
@@ -37,11 +37,11 @@ impl PageFile {
     }
 }
 
-/// The page as it was when this program was built in release: names, bytes, and whether these are packed.
+/// The page as of the release build of this program: name, bytes, and the flag for gzip.
 static CARRIED: &[(&str, &[u8], bool)] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
 impl Default for PageFiles {
-    /// Those of this build.
+    /// The source that fits the build profile.
     fn default() -> Self {
         if cfg!(debug_assertions) {
             return Self::Folder(PathBuf::from(concat!(
@@ -54,7 +54,7 @@ impl Default for PageFiles {
 }
 
 impl PageFiles {
-    /// The file of this name; nothing if there is none, or if no file of the page is called so.
+    /// The file of this name. `None` if the name is invalid, the type unknown, or the file missing.
     pub(crate) fn get(&self, name: &str) -> Option<PageFile> {
         let kind = kind(name)?;
         if !is_plain(name) {
@@ -70,7 +70,7 @@ impl PageFiles {
         Some(PageFile { bytes, is_packed, kind })
     }
 
-    /// How the page comes here, as HTML for whoever finds none.
+    /// HTML with the command that builds the page, shown if the page is missing.
     pub(crate) fn way(&self) -> &'static str {
         match self {
             Self::Carried => {
@@ -81,14 +81,14 @@ impl PageFiles {
     }
 }
 
-/// Whether it is a name of the page's folder or of its `assets`, and leads nowhere else.
+/// The name is a file of the page's folder or of its `assets`, and cannot lead out of them.
 fn is_plain(name: &str) -> bool {
     let name = name.strip_prefix("assets/").unwrap_or(name);
     let is_sign = |sign: char| sign.is_ascii_alphanumeric() || "-_.".contains(sign);
     !name.starts_with('.') && name.chars().all(is_sign)
 }
 
-/// What a browser is told that the file is.
+/// The MIME type of the file, by its extension.
 fn kind(name: &str) -> Option<&'static str> {
     Some(match name.rsplit_once('.')?.1 {
         "html" => "text/html; charset=utf-8",

@@ -29,7 +29,7 @@ fn all() -> OpenApiRouter<Arc<ServerState>> {
         .merge(socket::routes())
 }
 
-/// What answers requests.
+/// The service that handles all requests.
 pub fn router(server: Arc<ServerState>) -> Router {
     let (router, _description) = all().split_for_parts();
     guarded(router.fallback(nowhere), &server).with_state(server)
@@ -40,7 +40,7 @@ pub fn openapi() -> OpenApi {
     description::complete(all().into_openapi())
 }
 
-/// Whether the server is there.
+/// Program and version of a server that runs.
 #[utoipa::path(get, path = "/api/v1/health", tag = "server", responses(
     (status = 200, description = "It is", body = Health)
 ))]
@@ -48,7 +48,7 @@ async fn health() -> Json<Health> {
     Json(Health { program: "rafcon".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() })
 }
 
-/// This description.
+/// This description of all routes, as OpenAPI.
 #[utoipa::path(get, path = "/api/v1/openapi.json", tag = "server", responses(
     (status = 200, description = "An OpenAPI document", body = Object)
 ))]
@@ -57,7 +57,7 @@ async fn openapi_json() -> impl IntoResponse {
     ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
 }
 
-/// How everything stands that the server looks after.
+/// State of the files, open machines and active runs.
 #[utoipa::path(get, path = "/api/v1/status", tag = "server", responses(
     (status = 200, description = "The latest truth", body = ServerStatus)
 ))]

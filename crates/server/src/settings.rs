@@ -1,4 +1,4 @@
-//! What a server is started with: values that its program has read from command line and environment.
+//! Settings of a server, parsed by its program from the command line and the environment.
 
 use crate::page_files::PageFiles;
 use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotRequest, ValueFetch};
@@ -10,10 +10,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Where a server listens if no one says otherwise.
+/// Default port of a server.
 pub const USUAL_PORT: u16 = 4747;
 
-/// How a server is set up.
+/// Configuration of a server.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Folders with machines: the only places that requests may read and write.
@@ -24,25 +24,25 @@ pub struct Settings {
     pub runs: PathBuf,
     /// Library roots by name, before those of the configuration.
     pub libraries: Vec<(String, PathBuf)>,
-    /// The reference's `config.yaml`, or a folder with it; none: where the reference looks.
+    /// The reference's `config.yaml`, or a folder with it. `None`: the default location of the reference.
     pub config: Option<PathBuf>,
-    /// The interpreter of runs; none: as [`rafcon_supervisor::Interpreter::choose`] does.
+    /// The interpreter of runs. `None`: selected by [`rafcon_supervisor::Interpreter::choose`].
     pub python: Option<PathBuf>,
-    /// What interpreter and extension are found by.
+    /// Environment in which interpreter and extension are searched.
     pub surroundings: ProgramEnvironment,
     /// After how much silence of a holder of control someone else may take over.
     pub control_silence: Duration,
     /// Looks up a variable of the environment, for paths in the configuration.
     pub variable: fn(&str) -> Option<String>,
-    /// Says a line to whoever started the server: what went wrong and no one asked for. Never a secret.
+    /// Reports a line to the operator of the server, usually an error outside a request. Never a secret.
     pub tell: fn(&str),
-    /// Where the page's files are.
+    /// Source of the page's files.
     pub page: PageFiles,
     /// Carries requests to the robots, if this is a station.
     pub robots: Option<Arc<dyn Robots>>,
-    /// Where it listens, and as whom.
+    /// Address, names and limits of the listener.
     pub listen: Listen,
-    /// Who may come in.
+    /// Authentication of users.
     pub access: Access,
 }
 
@@ -79,16 +79,16 @@ pub enum CommandListFault {
 
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
-    /// Asks for a value of `length` bytes of a run of a robot, of which `budget` bytes may be sent. Answers whether that is possible.
+    /// Requests a value of `length` bytes of a robot's run, with a limit of `budget` bytes to send. Returns `false` if impossible.
     fn fetch(&self, robot: &str, value: (&str, u64), length: u64, budget: u64) -> bool;
 
-    /// A value is not wanted any more.
+    /// Cancels the fetch of a value.
     fn cancel(&self, robot: &str, value: (&str, u64));
 
-    /// How far a value is, if it is being fetched or was last.
+    /// Progress of the current or last fetch of a value.
     fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
 
-    /// Gives a robot a request, once for each id. `answered` is called with the robot's answer, or once it is overdue.
+    /// Sends a request to a robot, once for each id. `answered` receives the robot's answer, or is called once it is overdue.
     fn request(
         &self,
         robot: &str,
@@ -102,11 +102,11 @@ pub trait Robots: fmt::Debug + Send + Sync {
     /// Replaces the planned contacts with a robot; blocks until they are on the disk.
     fn set_contacts(&self, robot: &str, plan: ContactPlan) -> Result<(), ContactsFault>;
 
-    /// The command list of a robot, with the state of each command; blocks until the station answers.
+    /// The command list of a robot, with the state of each command; blocks until the station responds.
     fn command_list(&self, robot: &str) -> Result<CommandList, CommandListFault>;
 
-    /// Replaces the command list of a robot, with a `revision` only that of this revision; blocks until it is on the disk and the station
-    /// answers.
+    /// Replaces the command list of a robot; with a `revision`, only that revision. Blocks until the list is on the disk and the
+    /// station responds.
     fn set_command_list(
         &self,
         robot: &str,
@@ -114,38 +114,38 @@ pub trait Robots: fmt::Debug + Send + Sync {
         revision: Option<&str>,
     ) -> Result<CommandList, CommandListFault>;
 
-    /// Releases the command list of a robot, all of it or nothing; blocks until the commands are queued.
+    /// Releases the whole command list of a robot or none of it; blocks until the commands are queued.
     fn release_command_list(
         &self,
         robot: &str,
         request: &ListRequest,
     ) -> Result<CommandList, CommandListFault>;
 
-    /// What so many bytes cost on the link to a robot, in bytes, and how long that takes, in ms, if the robot is heard. Nothing if it is
-    /// not received here.
+    /// Cost of `bytes` bytes on the link to a robot: bytes, and the time in ms if the robot is in contact. `None` if it is not
+    /// received here.
     fn cost(&self, robot: &str, bytes: u64) -> Option<(u64, Option<u64>)>;
 }
 
-/// Where a server listens.
+/// Address, names and limits of a server's listener.
 #[derive(Debug, Clone)]
 pub struct Listen {
     /// Address and port; port 0: any that is free.
     pub address: SocketAddr,
-    /// Names by which others call this computer, beside its address. They count with every port.
+    /// Other names of this computer, besides its address. They are valid with every port.
     pub hosts: Vec<String>,
     /// Path below which a reverse proxy offers the server.
     pub base_path: BasePath,
-    /// Reverse proxies whose word about browsers counts.
+    /// Reverse proxies whose headers about browsers are trusted.
     pub proxies: Vec<IpAddr>,
-    /// Certificate and key as PEM files; none: made by the server itself where it needs one.
+    /// Certificate and key as PEM files. `None`: the server makes its own where it needs one.
     pub certificate: Option<(PathBuf, PathBuf)>,
-    /// How many connections there may be at a time.
+    /// Maximum number of connections.
     pub connections_max: usize,
-    /// How long a client may take for the head of a request, TLS included: at 2 s each way that alone takes 10 s.
+    /// Time limit for the head of a request, TLS included: at 2 s of delay each way, that alone takes 10 s.
     pub head_patience: Duration,
-    /// How long a client may be silent in the middle of a body.
+    /// Maximum silence of a client within a body.
     pub body_patience: Duration,
-    /// How long a client that does not read may hold an answer up.
+    /// Time limit for a client that does not read the response.
     pub write_limit: Duration,
 }
 
@@ -171,27 +171,27 @@ impl BasePath {
         is_good.then(|| Self(format!("/{path}")))
     }
 
-    /// Its text.
+    /// The path as text; empty for the root.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 }
 
-/// Who may come in.
+/// Authentication of users.
 #[derive(Debug, Clone)]
 pub struct Access {
-    /// The owner's token stays what it was when the server was started last.
+    /// Keep the owner's token of the last start.
     pub keep_token: bool,
-    /// What hashing a password costs.
+    /// Cost of hashing a password.
     pub cost: HashCost,
 }
 
-/// What hashing a password costs: argon2id's parameters.
+/// Cost of hashing a password: the parameters of argon2id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HashCost {
-    /// Memory, in KiB.
+    /// Memory per hash, in KiB.
     pub memory_kib: u32,
-    /// How often it is gone through.
+    /// Number of passes over the memory.
     pub passes: u32,
 }
 
@@ -240,7 +240,7 @@ impl Default for Access {
 }
 
 impl HashCost {
-    /// What people's passwords are hashed with: 19 MiB, twice.
+    /// Cost of users' passwords: 19 MiB, two passes.
     pub const USUAL: Self = Self { memory_kib: 19 * 1024, passes: 2 };
 }
 

@@ -1,4 +1,4 @@
-//! Everything that requests share.
+//! State shared by all requests.
 
 use crate::Settings;
 use crate::access::{Audit, Names, OuterAddress, People, PrivateError};
@@ -18,47 +18,46 @@ use tokio::sync::watch;
 /// The server's parts, one of each.
 #[derive(Debug)]
 pub struct ServerState {
-    /// How it is set up.
     pub(crate) settings: Settings,
-    /// Who may come in.
+    /// Users, tokens and logins.
     people: People,
-    /// Who did what about that.
+    /// Record of logins and of changes of rights.
     audit: Audit,
-    /// What it is called; nothing before it listens.
+    /// Host names of the server. Empty until it listens.
     names: OnceLock<Names>,
-    /// Whether the server is about to end.
+    /// `true` once the server shuts down.
     closing: watch::Sender<bool>,
-    /// What wakes whoever follows the server.
+    /// Counters that wake listeners of changes.
     pub(crate) news: ChangeCounters,
-    /// What runs leave.
+    /// Recorded runs.
     pub(crate) history: History,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,
-    /// The open machines.
+    /// Open machines and their sessions.
     pub(crate) documents: Documents,
-    /// What looks at scripts.
+    /// Analysis of scripts by the interpreter.
     pub(crate) python: Python,
-    /// What plans.
+    /// Planning of contents of states.
     pub(crate) plans: Plans,
-    /// All runs.
+    /// Active and interrupted runs.
     pub(crate) runs: Runs,
-    /// What the connections of clients share.
+    /// State shared by the clients' connections.
     pub(crate) sockets: Sockets,
 }
 
-/// Why one of the server's parts cannot begin.
+/// Reason why a part of the server cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerStateError {
     /// One of its files cannot be read or written.
     #[error(transparent)]
     Private(#[from] PrivateError),
-    /// There is no place for runs.
+    /// The folder of runs cannot be made.
     #[error(transparent)]
     Runs(#[from] rafcon_supervisor::MakeError),
 }
 
 impl ServerState {
-    /// Prepares everything; nothing listens yet.
+    /// Opens all parts. Nothing listens yet.
     pub fn new(settings: Settings) -> Result<Arc<Self>, ServerStateError> {
         let news = ChangeCounters::default();
         Ok(Arc::new(Self {
@@ -78,13 +77,13 @@ impl ServerState {
         }))
     }
 
-    /// Begins to look after what happens without requests. To be called once, within the runtime.
+    /// Starts the background tasks. Call once, within the runtime.
     pub(crate) fn begin(self: &Arc<Self>) {
         runs::begin(self);
         files::begin(self);
     }
 
-    /// How everything stands that it looks after.
+    /// Summary of the files, open machines and active runs.
     pub(crate) async fn status(&self) -> ServerStatus {
         ServerStatus {
             files_revision: self.news.files_revision(),
@@ -93,32 +92,32 @@ impl ServerState {
         }
     }
 
-    /// Who may come in.
+    /// Users, tokens and logins.
     pub fn people(&self) -> &People {
         &self.people
     }
 
-    /// Someone asks for something: who holds control of a run is not silent.
+    /// A request of a user arrived, so the user is not silent as the holder of control.
     pub(crate) fn heard(&self, user: &str) {
         self.runs.heard(user);
     }
 
-    /// The record of who came in and who changed whose rights.
+    /// The record of logins and of changes of rights.
     pub fn audit(&self) -> &Audit {
         &self.audit
     }
 
-    /// What it is called. A server that does not listen answers to nothing.
+    /// Host names of the server. Before it listens, it has none and refuses every host.
     pub(crate) fn names(&self) -> &Names {
         self.names.get_or_init(Names::nobody)
     }
 
-    /// It listens, under these names.
+    /// Sets the host names once the server listens.
     pub(crate) fn called(&self, names: Names) {
         self.names.get_or_init(|| names);
     }
 
-    /// The name of the cookie of a login: cookies do not know ports, so that the name has to.
+    /// The name of the login cookie. It includes the port, because browsers share cookies between ports.
     pub(crate) fn cookie(&self) -> String {
         format!("rafcon_{}", self.names().port)
     }
@@ -131,7 +130,7 @@ impl ServerState {
         format!("{}={secret}; Path={path}/; HttpOnly; SameSite=Strict{secure}", self.cookie())
     }
 
-    /// Becomes `true` when the server is about to end: connections that last say good-bye.
+    /// Becomes `true` when the server shuts down, so that long connections can close.
     pub(crate) fn closing(&self) -> watch::Receiver<bool> {
         self.closing.subscribe()
     }
@@ -141,7 +140,7 @@ impl ServerState {
         self.closing.send_replace(true);
     }
 
-    /// How it is set up.
+    /// The settings of the server.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }

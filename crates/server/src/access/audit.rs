@@ -1,5 +1,5 @@
-//! `audit.jsonl`: who came in, who was refused, who changed whose rights, and who took control. Bounded; readable by the
-//! server's owner only. Secrets never come here. A thread of its own writes, so that no one waits for the disk.
+//! `audit.jsonl`: a record of logins, refusals, changes of rights, and takeovers of control. Its size is limited, and only the
+//! server's owner can read it. It never contains secrets. A separate thread writes it, so that requests do not wait for the disk.
 
 use super::private::{self, PrivateError};
 use super::recent_notes::RecentNotes;
@@ -16,21 +16,21 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// The size at which a new file is begun.
+/// Size limit of a file. Beyond it, a new file begins.
 const BYTES_MAX: u64 = 10_000_000;
-/// How many old files are kept.
+/// Number of old files kept.
 const OLD_MAX: u32 = 3;
-/// How much of a text is kept: some texts come from strangers.
+/// Limit on the bytes of a text. Some texts come from unauthenticated clients.
 const TEXT_MAX: usize = 200;
-/// How many lines may wait for the disk.
+/// Capacity of the queue of lines.
 const WAITING_MAX: usize = 4096;
-/// How long the server's shutdown waits for them.
+/// Timeout for writing the queued lines at shutdown.
 const FLUSH_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The record of who did what about access. Everything noted is on disk once this is dropped.
+/// The record of access. When it is dropped, all queued lines are on disk.
 #[derive(Debug)]
 pub struct Audit {
-    /// `None` while it is dropped.
+    /// Sending half of the queue. `None` while the record is dropped.
     words: Option<SyncSender<Word>>,
     writer: Option<JoinHandle<()>>,
     recent_notes: Mutex<RecentNotes>,
@@ -44,19 +44,19 @@ struct Record {
     /// `None` until it can be opened.
     file: Option<File>,
     bytes: u64,
-    /// Lines that could not be written since the last one that was.
+    /// Lines that could not be written since the last successful write.
     lost: u64,
 }
 
-/// What the thread receives.
+/// Message to the writer thread.
 enum Word {
     /// A line to write.
     Line(Vec<u8>),
-    /// A request to answer once everything before it is written.
+    /// A request to acknowledge once all earlier lines are written.
     Settle(SyncSender<()>),
 }
 
-/// One line.
+/// A line of the record.
 #[derive(Debug, Serialize)]
 struct Note<'a> {
     at_ms: u64,
@@ -84,13 +84,13 @@ impl Audit {
         })
     }
 
-    /// Notes what a user did: `what` is a stable word, `about` says more to people.
+    /// Records an action of a user: `what` is a stable code, `about` adds details for people.
     pub fn note(&self, user: &str, what: &str, about: &str) {
         self.note_at(since_1970_ms(), user, what, about);
     }
 
-    /// Notes what anyone can do over and over, on behalf of `of`: what comes too often is counted, and the count is told with
-    /// the next note.
+    /// Records an action that `of` can repeat at will. Repetitions beyond a rate are only counted, and the next line includes the
+    /// count.
     pub(super) fn note_often(&self, of: &str, user: &str, what: &str, about: &str) {
         let now_ms = since_1970_ms();
         match self.recent_notes.lock().may(&format!("{what} {of}"), now_ms) {
@@ -104,13 +104,13 @@ impl Audit {
 
     fn note_at(&self, at_ms: u64, user: &str, what: &str, about: &str) {
         let line = line(&Note { at_ms, user: cut(user), what, about: cut(about) });
-        // The caller does not wait for a disk that is stuck.
+        // Never blocks: a disk that hangs must not delay the caller.
         if self.words.as_ref().is_some_and(|words| words.try_send(Word::Line(line)).is_err()) {
             self.missed.fetch_add(1, Ordering::Relaxed);
         }
     }
 
-    /// Waits, for a limited time, until everything that was noted is written.
+    /// Waits until all queued lines are written, for at most [`FLUSH_TIMEOUT`].
     pub(crate) fn settle(&self) {
         let (done, settled) = sync_channel(1);
         let asked = self.words.as_ref().map(|words| words.try_send(Word::Settle(done)));
@@ -154,12 +154,12 @@ impl Record {
         Ok(self.file.insert(file))
     }
 
-    /// Writes until no one notes anything any more.
+    /// Writes lines until all senders are dropped.
     fn write_all(mut self, waiting: &Receiver<Word>, missed: &AtomicU64) {
         for word in waiting {
             match word {
                 Word::Line(line) => self.write_or_say(&line),
-                // The caller may have gone.
+                // The caller may have timed out.
                 Word::Settle(done) => done.send(()).unwrap_or_default(),
             }
             let count = missed.swap(0, Ordering::Relaxed);
@@ -197,7 +197,7 @@ impl Record {
         }
         let written = self.current()?.write_all(line);
         if written.is_err() {
-            // No part of a line stays.
+            // Removes a partly written line.
             let bytes = self.bytes;
             self.current()?.set_len(bytes)?;
         }
@@ -205,7 +205,7 @@ impl Record {
         written
     }
 
-    /// Begins a new file.
+    /// Rotates the files, so that the next line begins a new one.
     fn turn(&mut self) -> io::Result<()> {
         for age in (0..OLD_MAX).rev() {
             match fs::rename(file(&self.folder, age), file(&self.folder, age + 1)) {
@@ -218,7 +218,7 @@ impl Record {
     }
 }
 
-/// The current file.
+/// File of an age; 0 is the current one.
 fn file(folder: &Path, age: u32) -> PathBuf {
     match age {
         0 => folder.join("audit.jsonl"),

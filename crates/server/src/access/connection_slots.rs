@@ -1,6 +1,6 @@
-//! Places for connections: a limit for all, a lower one for those without a login, and a part of all for one other network. When
-//! no place is free, a new connection takes the place of the oldest one without a login. So connections that only wait, or never
-//! read, cannot keep out a user who has to stop a robot. Knows addresses and users' names; knows nothing of streams.
+//! Slots for connections: a limit for all, a lower one for those without a login, and a share of all for one remote network.
+//! If no slot is free, a new connection replaces the oldest one without a login. Idle or stalled connections therefore cannot
+//! keep out a user who has to stop a robot. Knows addresses and users' names; does not know streams.
 
 use super::limiter::network;
 use crate::Failure;
@@ -14,14 +14,14 @@ use std::time::Duration;
 use tokio::sync::{oneshot, watch};
 use tokio::time::timeout;
 
-/// Which part of all places one other network gets at most, and one user.
+/// One remote network, or one user, gets at most this fraction of all slots: one in four.
 const PART: usize = 4;
 
-/// Where a request comes from.
+/// Source of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Peer {
     pub(crate) ip: IpAddr,
-    /// Whether that is this computer.
+    /// The client runs on this computer.
     pub(crate) is_near: bool,
 }
 
@@ -45,15 +45,15 @@ impl<S: Sync> FromRequestParts<S> for Peer {
 /// Number of connections at a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Capacity {
-    /// Limit for all.
+    /// Limit for all connections.
     pub(crate) all: usize,
     /// Limit for those without a login.
     pub(crate) anonymous: usize,
 }
 
 impl Capacity {
-    /// At most `max` connections of a process that can open this many files. Half of the files are kept for users and their runs,
-    /// and half of that for everything that is no connection: journals, runners, machines.
+    /// At most `max` connections of a process that can open this many files. Half of the files are reserved for users and their
+    /// runs. Half of those are reserved for everything else: journals, runners, machines.
     pub(crate) fn of(max: usize, files: usize) -> Self {
         Self { all: max.min(files - files / 4).max(1), anonymous: max.min(files / 2).max(1) }
     }
@@ -65,18 +65,18 @@ pub(super) fn from_nowhere() -> Failure {
     Failure::forbidden("from_nowhere", message)
 }
 
-/// All places of a server.
+/// All connection slots of a server.
 #[derive(Debug, Clone)]
 pub(crate) struct ConnectionSlots {
     capacity: Capacity,
     taken: Arc<Mutex<Taken>>,
-    /// How many connections there are, with those that have lost their place and are about to end.
+    /// Number of connections, including those that lost their slot and are still closing.
     count: watch::Sender<usize>,
-    /// Number of connections that were ended or refused because no place was free.
+    /// Number of connections that were closed or refused because no slot was free.
     crowded_out: watch::Sender<u64>,
 }
 
-/// By number: the lower, the older.
+/// Slots by number: the lower the number, the older the connection.
 #[derive(Debug, Default)]
 struct Taken {
     next: u64,
@@ -87,14 +87,14 @@ struct Taken {
 struct SlotHolder {
     network: IpAddr,
     user: Option<String>,
-    /// Dropped when another connection takes the place.
+    /// Dropped when another connection takes the slot.
     _kept: oneshot::Sender<()>,
 }
 
-/// Ends when another connection has taken the place.
+/// Resolves when another connection has taken the slot.
 pub(crate) type Lost = oneshot::Receiver<()>;
 
-/// The place of one connection, until dropped.
+/// The slot of a connection, released on drop.
 #[derive(Debug)]
 pub(crate) struct ConnectionSlot {
     number: u64,
@@ -107,7 +107,7 @@ impl ConnectionSlots {
         Self { capacity, taken: Arc::default(), count, crowded_out }
     }
 
-    /// A place for a new connection: a free one, or that of the oldest without a login.
+    /// A slot for a new connection: a free one, or that of the oldest connection without a login.
     pub(crate) fn take(&self, peer: Peer) -> Option<(Arc<ConnectionSlot>, Lost)> {
         let network = network(peer.ip);
         let mut taken = self.taken.lock();
@@ -131,29 +131,29 @@ impl ConnectionSlots {
         if peer.is_near { all } else { (all / PART).max(1) }
     }
 
-    /// True if a new connection needs the place of another one.
+    /// A new connection needs the slot of another one.
     fn is_full(&self, taken: &Taken) -> bool {
         let Capacity { all, anonymous } = self.capacity;
         taken.places.len() >= all || taken.anonymous().count() >= anonymous
     }
 
-    /// Waits, for a limited time, until the connections that lost their place have closed their files.
+    /// Waits, for a limited time, until the connections that lost their slot are closed.
     pub(crate) async fn wait_until_closed(&self, limit: Duration) {
         let (mut count, all) = (self.count.subscribe(), self.capacity.all);
         drop(timeout(limit, count.wait_for(|count| *count <= all)).await);
     }
 
-    /// Limits of connections.
+    /// Limits on the number of connections.
     pub(crate) fn capacity(&self) -> Capacity {
         self.capacity
     }
 
-    /// Number of connections that were ended or refused because no place was free.
+    /// Number of connections that were closed or refused because no slot was free.
     pub(crate) fn crowded_out(&self) -> watch::Receiver<u64> {
         self.crowded_out.subscribe()
     }
 
-    /// Waits until no connection is left, but not for ever.
+    /// Waits, for a limited time, until all connections are closed.
     pub(crate) async fn wait_until_free(&self, limit: Duration) {
         let mut count = self.count.subscribe();
         drop(timeout(limit, count.wait_for(|count| *count == 0)).await);
@@ -179,7 +179,7 @@ impl Taken {
         counts.into_iter().max_by_key(|(_, count)| *count).map(|(network, _)| network)
     }
 
-    /// Ends the oldest connection of a network on which no one has logged in; nothing if there is none.
+    /// Ends the oldest connection without a login from a network. `None` if the network has no such connection.
     fn end_oldest(&mut self, network: IpAddr) -> Option<()> {
         let is_anonymous = |holder: &SlotHolder| holder.network == network && holder.user.is_none();
         let (&number, _) = self.places.iter().find(|(_, holder)| is_anonymous(holder))?;
@@ -188,7 +188,7 @@ impl Taken {
 }
 
 impl ConnectionSlot {
-    /// A request of this user came over the connection. One user gets a part of all places in this way.
+    /// Marks the slot as used by a logged-in user. One user can mark a quarter of all slots.
     pub(crate) fn log_in(&self, user: &str) {
         let mut taken = self.places.taken.lock();
         let of_user = taken.places.values().filter(|holder| holder.user.as_deref() == Some(user));
@@ -215,7 +215,7 @@ mod tests {
     use std::fmt::Write as _;
     use std::sync::Arc;
 
-    /// Lines of `name comes address` (with a `!` behind it, someone logs in on it) or `name goes`: who is there then.
+    /// Each line is `name comes address` (a trailing `!` logs in) or `name goes`. The output adds the remaining connections.
     fn check(max: usize, script: &str, expect: &Expect) {
         check_with(Capacity { all: max, anonymous: max }, script, expect);
     }

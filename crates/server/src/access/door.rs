@@ -1,5 +1,4 @@
-//! The door: every request passes it. Host, origin, who asks, and whether they may. Knows headers and rights; knows nothing of
-//! what a route does.
+//! Checks every request: host, origin, authentication and right. Knows headers and rights; does not know the handlers.
 
 use super::connection_slots::{ConnectionSlot, Peer, from_nowhere};
 use super::outer_address::{BasePrefix, OuterAddress};
@@ -15,17 +14,17 @@ use axum::response::{Html, IntoResponse as _, Response};
 use rafcon_protocol::api::Right;
 use std::sync::Arc;
 
-/// Routes whose address may carry a token: a browser can send it nowhere else there.
+/// Routes that accept a token in the address, because a browser cannot set a header there.
 const WITH_LINK: [&str; 2] = ["/", "/api/v1/socket"];
 
-/// What a request is about, as far as access is concerned.
+/// Method, path and required right of a request.
 struct RequestTarget {
     method: Method,
     path: String,
     right: Right,
 }
 
-/// Lets a request in, or answers why not.
+/// Admits a request, or responds with a refusal.
 pub(crate) async fn door(
     State(server): State<Arc<ServerState>>,
     mut request: Request,
@@ -48,7 +47,7 @@ pub(crate) async fn door(
     }
 }
 
-/// Adds the address in the browser to the request; refuses a name that is not the server's.
+/// Adds the address in the browser to the request. Refuses a host name that is not the server's.
 fn called(server: &ServerState, request: &mut Request) -> Result<(), Failure> {
     let peer = request.extensions().get::<Peer>().copied().ok_or_else(from_nowhere)?;
     let prefix = request.extensions().get::<BasePrefix>().copied();
@@ -63,7 +62,7 @@ fn called(server: &ServerState, request: &mut Request) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Who asks, if it matters; or why the request is refused.
+/// Authenticates the request. `None` if the route needs no user.
 fn admit(server: &ServerState, request: &Request) -> Result<Option<Who>, Failure> {
     let Some(asked) = asked(request)? else { return Ok(None) };
     let claim = claim(server, request, &asked);
@@ -78,7 +77,7 @@ fn admit(server: &ServerState, request: &Request) -> Result<Option<Who>, Failure
     }
 }
 
-/// Someone who may; who may not is noted.
+/// Checks the user's right. Records a refusal.
 fn may(
     server: &ServerState,
     who: Who,
@@ -119,8 +118,8 @@ fn no_row(method: &Method, path: &str) -> Failure {
     failure.allowing(others)
 }
 
-/// The name that the client called. Two names are refused, also one in the target of the request: a proxy in between may use the
-/// other one.
+/// The host name that the client requested. Refuses two different names, also if one is in the request target: a proxy may
+/// use the other one.
 fn host(request: &Request) -> Result<Option<&str>, Failure> {
     let mut named = request.headers().get_all(header::HOST).iter();
     let (first, second) = (named.next(), named.next());
@@ -145,12 +144,12 @@ fn elsewhere(server: &ServerState, host: &str) -> Failure {
     Failure::new(Reason::WrongHost, "wrong_host", message)
 }
 
-/// As much of a text from outside as an error repeats.
+/// The part of untrusted text that an error repeats.
 fn cut(text: &str) -> &str {
     &text[..text.floor_char_boundary(200)]
 }
 
-/// True if the client shows HTML.
+/// The client accepts HTML.
 fn is_for_people(request: &Request) -> bool {
     let kinds = request.headers().get(header::ACCEPT).and_then(|kinds| kinds.to_str().ok());
     kinds.is_some_and(|kinds| kinds.contains("text/html"))
@@ -166,7 +165,7 @@ fn page(failure: &Failure) -> String {
     )
 }
 
-/// The credential that the client shows: a token in a header, in the address where that is allowed, or a cookie.
+/// The credential of a request: a token in a header, a token in the address where that is allowed, or a cookie.
 fn claim(
     server: &ServerState,
     request: &Request,
@@ -183,7 +182,7 @@ fn bearer(headers: &HeaderMap) -> Option<String> {
     scheme.eq_ignore_ascii_case("bearer").then(|| token.trim().to_owned())
 }
 
-/// The token in an address.
+/// The token in the query of an address.
 pub(crate) fn in_link(address: &Uri) -> Option<String> {
     let mut pairs = address.query()?.split('&');
     pairs.find_map(|pair| pair.strip_prefix("token=")).map(str::to_owned)
@@ -196,7 +195,7 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
     pairs.find_map(|pair| pair.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
 }
 
-/// Refuses what other sites' pages make a browser send: requests that change something, and opening a WebSocket.
+/// Refuses changing requests and WebSockets that pages of other sites send through a browser.
 fn check_origin(
     server: &ServerState,
     request: &Request,
@@ -209,7 +208,7 @@ fn check_origin(
     }
     let origin = headers.get(header::ORIGIN).map(|origin| origin.to_str().unwrap_or_default());
     let outer = request.extensions().get::<Arc<OuterAddress>>().ok_or_else(from_nowhere)?;
-    // Browsers report pages of other sites, which differ by the scheme, too.
+    // Browsers report other sites, including those that differ only by the scheme.
     let is_strange = headers
         .get("sec-fetch-site")
         .is_some_and(|site| *site == "cross-site" || *site == "same-site");
@@ -245,7 +244,7 @@ fn unknown() -> Failure {
     failure.asking_for_token()
 }
 
-/// Whether a request comes from this computer.
+/// The request comes from this computer.
 fn is_near(request: &Request) -> bool {
     request.extensions().get::<Peer>().is_some_and(|peer| peer.is_near)
 }

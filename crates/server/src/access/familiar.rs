@@ -1,5 +1,5 @@
-//! The addresses from which each user has logged in before. Attempts from elsewhere do not delay a user at such an address:
-//! neither by the limit of attempts nor by their number. It outlives the server.
+//! Addresses from which each user has logged in before. Attempts from other addresses do not delay a user there, neither by
+//! their rate nor by their number. Stored on disk.
 
 use super::private::{self, PrivateError};
 use rafcon_locks::Mutex;
@@ -7,10 +7,10 @@ use std::collections::BTreeSet;
 use std::net::IpAddr;
 use std::path::PathBuf;
 
-/// How many are remembered.
+/// Maximum number of remembered pairs of user and network.
 const MAX: usize = 10_000;
 
-/// Users and the addresses from which they were let in.
+/// Users and the networks from which they have logged in.
 #[derive(Debug)]
 pub(super) struct Familiar {
     file: PathBuf,
@@ -18,19 +18,19 @@ pub(super) struct Familiar {
 }
 
 impl Familiar {
-    /// Those of the servers before. A file that makes no sense counts as none: everyone is a stranger once.
+    /// Loads the addresses of earlier servers. An invalid file counts as empty: each user is unfamiliar once.
     pub(super) fn open(file: PathBuf) -> Result<Self, PrivateError> {
         let text = private::read(&file)?.unwrap_or_default();
         let addresses = serde_json::from_str(&text).unwrap_or_default();
         Ok(Self { file, addresses: Mutex::new(addresses) })
     }
 
-    /// Whether the user has logged in from this network before.
+    /// The user has logged in from this network before.
     pub(super) fn knows(&self, user: &str, network: IpAddr) -> bool {
         self.addresses.lock().contains(&(user.to_owned(), network))
     }
 
-    /// Notes that the user has logged in from this network. Beyond the limit another address is forgotten.
+    /// Stores a login from this network. Beyond the limit, another address is forgotten.
     pub(super) fn add(&self, user: &str, network: IpAddr) {
         let mut addresses = self.addresses.lock();
         let entry = (user.to_owned(), network);
@@ -42,7 +42,7 @@ impl Familiar {
         }
         if addresses.insert(entry) {
             let text = serde_json::to_vec(&*addresses).unwrap_or_default();
-            // If the disk refuses, they are strangers after the next start; nothing else is lost.
+            // A failed write costs only the familiarity after the next start.
             private::write_soon(&self.file, &text).unwrap_or_default();
         }
     }

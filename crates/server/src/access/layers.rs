@@ -1,5 +1,4 @@
-//! What lies around every route: the door, limits, and headers that keep browsers from harm. Knows HTTP; knows nothing of
-//! routes.
+//! Middleware around every route: access checks, limits, and security headers for browsers. Knows HTTP, but no routes.
 
 use super::door::door;
 use crate::extract::BODY_MAX;
@@ -16,7 +15,7 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::timeout::RequestBodyTimeoutLayer;
 
-/// The headers of every answer for browsers.
+/// Headers of every response, for browsers.
 const HEADERS: [(HeaderName, HeaderValue); 4] = [
     (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
     (header::REFERRER_POLICY, HeaderValue::from_static("no-referrer")),
@@ -29,7 +28,7 @@ const HEADERS: [(HeaderName, HeaderValue); 4] = [
     ),
 ];
 
-/// The router behind the door.
+/// The router with all middleware.
 pub(crate) fn guarded(
     router: Router<Arc<ServerState>>,
     server: &Arc<ServerState>,
@@ -44,7 +43,7 @@ pub(crate) fn guarded(
         .layer(middleware::from_fn_with_state(Arc::clone(server), with_headers))
 }
 
-/// For 30 days a browser that trusts the server's certificate uses TLS only.
+/// A browser that trusts the server's certificate uses only TLS for 30 days.
 const ONLY_TLS: HeaderValue = HeaderValue::from_static("max-age=2592000");
 
 async fn with_headers(
@@ -64,7 +63,7 @@ async fn with_headers(
     response
 }
 
-/// The answer to a request that met a defect of this program.
+/// Response to a request whose handler panicked.
 fn broken(panic: &(dyn Any + Send)) -> Response {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic");

@@ -1,24 +1,24 @@
-//! How often someone may try to log in: a few times at once, then slowly. Pure: time is an argument.
+//! Limits login attempts: a burst, then a slow rate. Pure: time is an argument.
 //!
-//! Attempts count for the address that they come from and for the user that they are about. A user who has logged in from an
-//! address before is not delayed there by attempts from elsewhere.
+//! Attempts count for their source network and for their user. At an address from which a user has logged in before, attempts
+//! from other addresses do not delay that user.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv6Addr};
 
-/// How many attempts at once.
+/// Maximum burst of attempts.
 const AT_ONCE: u64 = 5;
-/// Then one in this time.
+/// After the burst, one attempt per interval.
 const PAUSE_MS: u64 = 10_000;
-/// What a correct attempt costs of that: a user with the right password must not keep the server busy either.
+/// Cost of a successful attempt within that interval: correct logins can load the server, too.
 const RIGHT_MS: u64 = 2_000;
-/// How many addresses and users are remembered.
+/// Maximum number of tracked keys.
 const MAX: usize = 10_000;
 
-/// The attempts so far.
+/// Attempts by key.
 #[derive(Debug, Default)]
 pub(super) struct Limiter {
-    /// When all attempts are forgotten, by what they count for.
+    /// Time at which all attempts of a key are forgotten, in ms.
     spent: BTreeMap<Key, u64>,
 }
 
@@ -26,13 +26,13 @@ pub(super) struct Limiter {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Try<'t> {
     pub(super) user: &'t str,
-    /// Where it comes from: a [`network`].
+    /// Source [`network`] of the attempt.
     pub(super) from: IpAddr,
     /// The user has logged in from there before.
     pub(super) is_familiar: bool,
 }
 
-/// What an attempt counts for.
+/// Key under which attempts count.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     From(IpAddr),
@@ -41,7 +41,7 @@ enum Key {
 }
 
 impl Limiter {
-    /// Counts an attempt, or says after how many seconds the next one makes sense.
+    /// Counts an attempt. `Err` has the seconds until the next attempt is allowed.
     pub(super) fn attempt(&mut self, tried: Try<'_>, now_ms: u64) -> Result<(), u64> {
         self.forget(now_ms);
         let keys = keys(tried);
@@ -56,7 +56,7 @@ impl Limiter {
         Ok(())
     }
 
-    /// The attempt was correct: it counts for little.
+    /// Refunds most of a successful attempt.
     pub(super) fn succeeded(&mut self, tried: Try<'_>) {
         for key in keys(tried) {
             if let Some(spent) = self.spent.get_mut(&key) {
@@ -70,7 +70,7 @@ impl Limiter {
         (spent + PAUSE_MS).saturating_sub(now_ms + AT_ONCE * PAUSE_MS)
     }
 
-    /// Drops what no longer counts, and if there is still too much, the quarter that would be forgotten first.
+    /// Drops expired keys. If too many remain, drops the quarter that expires first.
     fn forget(&mut self, now_ms: u64) {
         if self.spent.len() < MAX {
             return;
@@ -94,7 +94,7 @@ fn keys(tried: Try<'_>) -> [Key; 2] {
     [Key::From(from), Key::User(user)]
 }
 
-/// Whoever has one address of a network of IPv6 has all of them.
+/// Network of an address: an owner of one IPv6 address owns its whole /64.
 pub(super) fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),

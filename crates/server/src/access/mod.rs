@@ -1,4 +1,4 @@
-//! Who may do what. Knows people, rights and doors; knows nothing of machines or runs.
+//! Users, their rights and the checks of requests. Does not know machines or runs.
 
 use crate::Failure;
 

@@ -1,12 +1,12 @@
-//! Notices when another program (the command line) changes users or tokens, so that what someone lost is lost at once, also by
-//! who asks nothing. Knows the roster's file, but not what stands in it.
+//! Detects when another program (the command line) changes users or tokens, so that revocation also reaches idle connections.
+//! Knows the roster's file, but not its content.
 
 use super::register::FILE;
 use crate::{ServerState, log};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher as _};
 use std::sync::{Arc, Weak};
 
-/// Watches the roster's file until dropped. Without it a change counts from the next request on.
+/// Watches the roster's file until dropped. Without the watch, a change takes effect at the next request.
 pub(crate) fn notice(server: &Arc<ServerState>) -> Option<RecommendedWatcher> {
     let watched = watch(server);
     if let Err(error) = &watched {

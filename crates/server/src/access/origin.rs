@@ -1,23 +1,23 @@
-//! The names by which this server answers, and the pages from which requests may come. Pure: headers in, yes or no out.
+//! Host names of this server, and pages from which requests may come. Pure: headers in, yes or no out.
 //!
-//! A stranger's page can make a browser send requests to this computer. It cannot make the browser lie about the name it
-//! called (`Host`) or the page that asked (`Origin`).
+//! A page of another site can make a browser send requests to this computer. It cannot forge the requested name (`Host`) or
+//! the requesting page (`Origin`).
 
 use super::outer_address::OuterAddress;
 use std::net::IpAddr;
 
-/// What a server is called by its clients.
+/// Names, port and scheme under which clients reach the server.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Names {
     /// The port it listens on.
     pub(crate) port: u16,
-    /// Whether it speaks TLS.
+    /// The server uses TLS.
     pub(crate) is_secure: bool,
-    /// Whether only programs on this computer reach it.
+    /// Only programs on this computer can reach the server.
     pub(crate) is_loopback: bool,
-    /// Its names and addresses, in lower case. They count with its port.
+    /// Its names and addresses, in lower case, valid with its port.
     pub(crate) hosts: Vec<String>,
-    /// Names that it was given, in lower case. They count with every port, which may be that of a proxy.
+    /// Configured names, in lower case, valid with every port, which may be that of a proxy.
     pub(crate) given: Vec<String>,
 }
 
@@ -33,13 +33,13 @@ impl Names {
         if self.is_secure { "https" } else { "http" }
     }
 
-    /// Whether `host`, as a `Host` header gives it, means this server.
+    /// `host`, the value of a `Host` header, names this server.
     pub(crate) fn answers_to(&self, host: &str) -> bool {
         let Some((name, port)) = parted(host) else { return false };
         self.given.contains(&name) || self.is_direct(&name, port)
     }
 
-    /// True for this server's own address, without a proxy.
+    /// The host is the server's own address, without a proxy.
     fn is_direct(&self, name: &str, port: Option<u16>) -> bool {
         port.unwrap_or(usual_port(self.is_secure)) == self.port && self.is_called(name)
     }
@@ -52,14 +52,14 @@ impl Names {
         own.chain(given).collect::<Vec<_>>().join(", ")
     }
 
-    /// The owner of a name can point it anywhere; an address cannot be redirected.
+    /// An address counts as a name, because only names can be redirected by their owner.
     fn is_called(&self, name: &str) -> bool {
         let address = name.parse::<IpAddr>().ok();
         self.hosts.iter().any(|host| host == name)
             || address.is_some_and(|address| !self.is_loopback || address.is_loopback())
     }
 
-    /// True for a page that this server served under the same name and port. The scheme is compared, too, unless a proxy may have
+    /// The page was served by this server under the requested name and port. Its scheme must match, too, unless a proxy may have
     /// ended TLS without a report.
     pub(crate) fn is_own(&self, origin: &str, outer: &OuterAddress) -> bool {
         let Some((scheme, page)) = origin.split_once("://") else { return false };

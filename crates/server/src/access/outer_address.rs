@@ -37,7 +37,7 @@ pub(crate) struct OuterAddress {
     pub(crate) base: BasePath,
     /// True if the address lacks the slash behind the path.
     pub(crate) is_bare: bool,
-    /// The browser.
+    /// Address of the browser.
     pub(crate) peer: Peer,
 }
 
@@ -62,7 +62,7 @@ impl OuterAddress {
         let base = if prefix.is_some() { listen.base_path.clone() } else { BasePath::default() };
         let plain = Self { is_secure: None, host: host.to_owned(), base, is_bare, peer };
         if !listen.proxies.contains(&peer.ip) {
-            // A client behind an unknown proxy is not on this computer.
+            // A client behind an unlisted proxy may be remote.
             let is_near = peer.is_near && !is_forwarded(headers);
             return Ok(Self { peer: Peer { is_near, ..peer }, ..plain });
         }
@@ -137,7 +137,7 @@ impl ProxyReport {
         Self { clients, host, is_secure: last(headers, PROTO).and_then(is_secure) }
     }
 
-    /// The last client that is no proxy. Without one it is as far away as the proxy is.
+    /// The last client that is not a proxy. If unknown, the client counts as remote, with the proxy's address.
     fn client(&self, proxy: Peer, proxies: &[IpAddr]) -> Peer {
         let is_proxy = |client: &Option<IpAddr>| client.is_some_and(|ip| proxies.contains(&ip));
         let client = self.clients.iter().rev().find(|client| !is_proxy(client));

@@ -1,4 +1,4 @@
-//! Passwords and their hashes. Slow on purpose: never call this where others wait.
+//! Passwords and their hashes. Slow on purpose: call only from blocking threads.
 
 use crate::settings::HashCost;
 use argon2::password_hash::PasswordHasher as _;
@@ -8,10 +8,10 @@ use rafcon_locks::Mutex;
 
 /// The minimum length of a password, in characters.
 pub(super) const LENGTH_MIN: usize = 10;
-/// The maximum length in bytes: hashing more is wasted work.
+/// The maximum length in bytes; it limits the work of hashing.
 pub(super) const BYTES_MAX: usize = 1024;
 
-/// Why a secret cannot be made or stored.
+/// A secret cannot be generated or hashed.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot make or hash a secret: {0}")]
 pub struct HashError(String);
@@ -32,14 +32,14 @@ pub(super) fn hash(password: &str, cost: HashCost) -> Result<String, HashError> 
     Ok(hash.to_string())
 }
 
-/// The memory for comparing passwords. It is reused: given back to the allocator, each thread would keep some of it.
+/// Reusable memory for password checks. If it were freed, the allocator would keep some per thread.
 #[derive(Debug, Default)]
 pub(super) struct HashMemory {
     spare: Mutex<Vec<Vec<Block>>>,
 }
 
 impl HashMemory {
-    /// Whether this password has the hash `kept`. Without a hash, the refusal takes as long.
+    /// The password has the hash `kept`. Without a hash, the check takes as long and fails.
     pub(super) fn is_right(&self, password: &str, kept: Option<&str>, cost: HashCost) -> bool {
         let kept = kept.and_then(|kept| PasswordHash::new(kept).ok());
         let none = || Params::new(cost.memory_kib, cost.passes, 1, None).unwrap_or_default();
@@ -77,7 +77,7 @@ fn parts(kept: &PasswordHash) -> Option<(Params, &[u8], &Output)> {
     Some((params, kept.salt.as_ref()?.as_ref(), kept.hash.as_ref()?))
 }
 
-/// Whether it was hashed at this cost.
+/// The hash was made at this cost.
 pub(super) fn is_of(kept: &str, cost: HashCost) -> bool {
     let head = format!("$argon2id$v=19$m={},t={},p=1$", cost.memory_kib, cost.passes);
     kept.starts_with(&head)

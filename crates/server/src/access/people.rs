@@ -1,4 +1,4 @@
-//! Who is let in: the owner of this computer's account, users with passwords, and programs with tokens.
+//! Authentication: the owner of this computer's account, users with passwords, and programs with tokens.
 
 use super::familiar::Familiar;
 use super::limiter::{Limiter, Try, network};
@@ -22,15 +22,15 @@ use tokio::time::Instant;
 
 /// The name of the user with the owner's token.
 pub const OWNER: &str = "owner";
-/// The name of the user as whom the bridge to ROS 2 acts.
+/// The name of the user for the bridge to ROS 2.
 pub const ROS: &str = "ros";
 
-/// How many passwords of strangers are hashed at a time: each takes memory and a processor.
+/// Parallel password checks from unfamiliar addresses. Each takes memory and a processor.
 const STRANGERS_MAX: usize = 2;
-/// How many of users who have logged in from the same address before.
+/// Parallel password checks of users at familiar addresses.
 const FAMILIAR_MAX: usize = 1;
 
-/// What someone shows to be let in.
+/// Credential in a request, not yet verified.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum CredentialClaim {
     /// A token: the owner's or a program's.
@@ -39,21 +39,21 @@ pub(crate) enum CredentialClaim {
     Cookie(String),
 }
 
-/// Everyone who may come in.
+/// All users, tokens and logins.
 #[derive(Debug)]
 pub struct People {
     owner: Secret,
-    /// The bridge's; it stands in no file.
+    /// Token of the bridge to ROS 2. It is never stored.
     ros: Secret,
     users: Arc<Users>,
     sessions: Sessions,
     familiar: Familiar,
     limiter: Mutex<Limiter>,
     strangers: Gate,
-    /// For users who have logged in from the same address before: however many strangers try, these do not wait for them.
+    /// For users at familiar addresses, so that attempts of others do not delay them.
     familiar_ones: Gate,
     memory: Arc<HashMemory>,
-    /// The time from which attempts are counted.
+    /// Reference time of the limiter.
     begun: Instant,
 }
 
@@ -76,22 +76,22 @@ impl People {
         })
     }
 
-    /// The owner's token.
+    /// Token of the computer account's owner.
     pub(crate) fn owner(&self) -> &Secret {
         &self.owner
     }
 
-    /// The token of the bridge to ROS 2, for the process that this server's program starts: it admits an operator.
+    /// The token of the bridge to ROS 2, passed to the process that this server's program starts. It grants the role of operator.
     pub(crate) fn ros(&self) -> &Secret {
         &self.ros
     }
 
-    /// Users and tokens.
+    /// The store of users and tokens.
     pub(crate) fn users(&self) -> &Arc<Users> {
         &self.users
     }
 
-    /// The user with this credential. The owner's token counts on this computer only.
+    /// The user with this credential. The owner's token is valid on this computer only.
     pub(crate) fn known(&self, claim: &CredentialClaim, is_near: bool) -> Option<Who> {
         let now_ms = since_1970_ms();
         let roster = self.users.roster();
@@ -115,8 +115,8 @@ impl People {
         who.filter(|who| is_near || who.user != OWNER)
     }
 
-    /// Who that is now; no one, once the login, the token or the user is gone. Whoever was let in once and stays (a WebSocket)
-    /// is asked for again with every new [`People::revision`] and before everything that needs a right.
+    /// The current rights of an authenticated user. `None` once the login, token or user no longer exists. A connection that
+    /// lasts (a WebSocket) calls it at each new [`People::revision`] and before each action that needs a right.
     pub fn still(&self, who: &Who) -> Option<Who> {
         let now_ms = since_1970_ms();
         let roster = self.users.roster();
@@ -129,17 +129,17 @@ impl People {
         }
     }
 
-    /// Is another number whenever someone's rights may be others.
+    /// Changes when the rights of a user may have changed.
     pub fn revision(&self) -> watch::Receiver<u64> {
         self.users.register().revision().subscribe()
     }
 
-    /// Reads users and tokens again if they have changed.
+    /// Reloads users and tokens if their file has changed.
     pub(crate) fn look(&self) {
         self.users.roster();
     }
 
-    /// Whether this is the user's password. A few attempts are free, later ones have to wait.
+    /// Verifies a user's password. After a burst of attempts, further ones must wait.
     pub(crate) async fn check(
         &self,
         user: &str,
@@ -167,7 +167,7 @@ impl People {
         u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX)
     }
 
-    /// The work of comparing; a password hashed at another cost is hashed again.
+    /// The comparison, for a blocking thread. Renews the hash of a password that was hashed at another cost.
     fn compare(
         &self,
         user: String,
@@ -182,14 +182,14 @@ impl People {
             if let Some(kept) = kept.filter(is_old)
                 && let Err(error) = users.keep_again(&user, &kept, &password)
             {
-                // A full disk keeps no one from a robot.
+                // A full disk must not prevent a login.
                 log::say(&format!("the password of {user} keeps its old hash: {error}"));
             }
             Ok(is_right)
         }
     }
 
-    /// Begins a login of someone who was checked.
+    /// Starts a login for a verified user.
     pub(crate) fn begin(&self, user: &str) -> Result<(Secret, Who), Failure> {
         let roster = self.users.roster();
         let since_ms = since(&roster, user).ok_or_else(wrong)?;
@@ -198,7 +198,7 @@ impl People {
         Ok((secret, who))
     }
 
-    /// Ends a login.
+    /// Ends the user's current login.
     pub(crate) fn end(&self, who: &Who) -> Result<(), Failure> {
         let Credential::Session(digest) = &who.by else {
             let message = "this is no login: a token ends by being deleted, at /api/v1/tokens";
@@ -209,7 +209,7 @@ impl People {
         Ok(())
     }
 
-    /// Lets a login continue although its user has chosen another password with it.
+    /// Keeps a login valid after its user has changed the password with it.
     pub(crate) fn renew(&self, who: &Who) -> Result<(), Failure> {
         let since = since(&self.users.roster(), &who.user);
         if let (Credential::Session(digest), Some(since_ms)) = (&who.by, since) {
@@ -233,7 +233,7 @@ fn ros() -> Who {
     Who { user: ROS.to_owned(), role: Role::Operator, expires_ms: None, by: Credential::Ros }
 }
 
-/// When someone's password was set; the owner has none.
+/// Time at which a user's password was set; 0 for the owner, who has none.
 fn since(roster: &Roster, user: &str) -> Option<u64> {
     if user == OWNER {
         return Some(0);
@@ -267,8 +267,8 @@ fn too_often(seconds: u64) -> Failure {
     failure.retry_after(seconds)
 }
 
-/// The token in the folder if `keep` is set, else a new one. A token that cannot be written is valid, so that the owner can stop a
-/// robot with a full disk.
+/// The stored token if `keep` is set, else a new one. A token that cannot be written is still valid, so that the owner can
+/// stop a robot with a full disk.
 fn owners_token(state: &Path, keep: bool, log: fn(&str)) -> Result<Secret, PrivateError> {
     let file = state.join("token");
     let kept = if keep { private::read(&file)? } else { None };

@@ -1,12 +1,11 @@
-//! Files for the server's owner only: written whole or not at all, readable by no one else. Knows files, but not what
-//! stands in them.
+//! Files for the server's owner only: written atomically, unreadable for others. Does not know their content.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
-/// Why one of the server's own files cannot be read or written.
+/// One of the server's own files cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot {what} {}: {source}", path.display())]
 pub struct PrivateError {
@@ -20,7 +19,7 @@ impl PrivateError {
         Self { what, path: path.to_owned(), source }
     }
 
-    /// The cause, if it is known, and the way out.
+    /// The cause, if known, and a remedy.
     pub(crate) fn remedy(&self) -> &'static str {
         rafcon_storage::remedy(&self.source)
     }
@@ -45,7 +44,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     replaced.map_err(|source| PrivateError::new("write", path, source))
 }
 
-/// Replaces a file. Where there is no room for another one, the content of the old one is overwritten.
+/// Replaces a file. If the disk has no room for a second file, it overwrites the old one.
 pub(crate) fn write_without_room(path: &Path, bytes: &[u8]) -> Result<(), PrivateError> {
     let written = write(path, bytes);
     written.or_else(|error| overwrite(path, bytes).map_err(|_also| error))
@@ -73,7 +72,7 @@ fn replace(
     let staged = path.with_extension(format!("new-{}", std::process::id()));
     let written = stage(&staged, bytes, sync).and_then(|()| fs::rename(&staged, path));
     if written.is_err() {
-        // Nothing of it stays on a disk that is full.
+        // Removes the partial file, so that it takes no room on a full disk.
         fs::remove_file(&staged).unwrap_or_default();
     }
     written
@@ -104,7 +103,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<String>, PrivateError> {
     }
 }
 
-/// A file to lock or to append to.
+/// Opens a file to lock it or to append to it.
 pub(crate) fn open(path: &Path) -> Result<File, PrivateError> {
     let mut options = OpenOptions::new();
     let file = options.read(true).append(true).create(true).mode(0o600).open(path);

@@ -1,21 +1,21 @@
-//! How often the same may be put on record: a few times a minute; the rest is counted. Pure: time is an argument.
+//! Limits repeated notes: a few a minute are recorded, the rest is counted. Pure: time is an argument.
 
 use std::collections::BTreeMap;
 
-/// How long a count continues.
+/// Duration of a counting period.
 const MINUTE_MS: u64 = 60_000;
-/// How often in that time.
+/// Maximum recorded notes per period.
 const NOTES_MAX: u32 = 10;
-/// How many are told apart.
+/// Maximum number of distinct names.
 const MAX: usize = 10_000;
-/// The name for those beyond that number.
+/// Common name for all names beyond that number.
 const OTHERS: &str = "others";
 
-/// What was put on record recently.
+/// Counts of recent notes.
 #[derive(Debug, Default)]
 pub(super) struct RecentNotes {
     minutes: BTreeMap<String, Minute>,
-    /// The second of the last search for what can be forgotten.
+    /// Second of the last cleanup.
     tidied_s: u64,
 }
 
@@ -23,16 +23,16 @@ pub(super) struct RecentNotes {
 struct Minute {
     since_ms: u64,
     noted: u32,
-    /// How many were not noted, in this minute or the ones before.
+    /// Number of notes suppressed since the last recorded one.
     untold: u64,
 }
 
 impl RecentNotes {
-    /// Whether this may be noted now, and if so how often it was not since the last note.
+    /// `Some` if the note may be recorded, with the number suppressed since the last one.
     pub(super) fn may(&mut self, what: &str, now_ms: u64) -> Option<u64> {
         let what = self.known(what, now_ms);
         let minute = self.minutes.entry(what).or_default();
-        // A clock that was set back begins another minute.
+        // A clock that was set back starts a new period.
         if now_ms.checked_sub(minute.since_ms).is_none_or(|age| age >= MINUTE_MS) {
             (minute.since_ms, minute.noted) = (now_ms, 0);
         }
@@ -44,7 +44,7 @@ impl RecentNotes {
         Some(std::mem::take(&mut minute.untold))
     }
 
-    /// The name that it counts under: the number of names is limited.
+    /// The name under which a note counts. The number of names is limited.
     fn known(&mut self, what: &str, now_ms: u64) -> String {
         let now_s = now_ms / 1000;
         if self.minutes.len() >= MAX && now_s != self.tidied_s {

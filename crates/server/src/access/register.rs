@@ -1,5 +1,5 @@
-//! `users.json`: the roster on disk, changed by the server and by the command line, one at a time. Knows files and locks, but
-//! nothing of requests.
+//! `users.json`: the roster on disk. A lock serializes changes by the server and by the command line. Knows files and locks;
+//! does not know requests.
 
 use super::private::{self, PrivateError};
 use super::roster::{Roster, RosterError};
@@ -13,10 +13,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// The roster's file.
+/// Name of the roster's file.
 pub(crate) const FILE: &str = "users.json";
 
-/// The roster on disk, read again when it has changed.
+/// The roster on disk, reloaded when its file changes.
 #[derive(Debug)]
 pub(crate) struct Register {
     file: PathBuf,
@@ -25,14 +25,14 @@ pub(crate) struct Register {
     revision: watch::Sender<u64>,
 }
 
-/// What was read last.
+/// Content and version of the last load.
 #[derive(Debug, Clone, Default)]
 struct Read {
     stamp: Stamp,
     roster: Arc<Roster>,
 }
 
-/// What identifies a version of a file: number, size and time. `None` if there is no file.
+/// Version of a file: inode, size and time. `None` if the file does not exist.
 type Stamp = Option<(u64, u64, i64, i64)>;
 
 impl Register {
@@ -43,7 +43,7 @@ impl Register {
         Ok(Self { file, lock, read, revision: watch::Sender::new(0) })
     }
 
-    /// The roster now. While its file cannot be read it is empty: no one comes in by mistake.
+    /// The current roster. It is empty while its file cannot be read, so that no revoked user is admitted.
     pub(crate) fn now(&self) -> Arc<Roster> {
         let now = stamp(&self.file);
         let read = self.read.read().clone();
@@ -56,12 +56,12 @@ impl Register {
         }))
     }
 
-    /// Changes with every roster.
+    /// Increments with every loaded or changed roster.
     pub(crate) fn revision(&self) -> &watch::Sender<u64> {
         &self.revision
     }
 
-    /// Changes the roster. One program at a time does so, so that no change is lost.
+    /// Changes the roster under the file's lock, so that concurrent programs lose no change.
     pub(crate) fn change<T>(
         &self,
         change: impl FnOnce(&mut Roster) -> Result<T, RosterError>,

@@ -1,5 +1,4 @@
-//! Users and tokens as a value: who there is, what they may do, and the hashes of their secrets. Pure: a change gives the
-//! next roster or a refusal.
+//! Users and tokens as a value: names, roles and hashes of secrets. Pure: a change returns a new roster or a refusal.
 
 use super::secret::Digest;
 use super::{OWNER, ROS};
@@ -9,10 +8,10 @@ use std::collections::BTreeMap;
 
 /// The maximum length of a name.
 const NAME_MAX: usize = 64;
-/// How many tokens one user may have.
+/// Maximum number of tokens per user.
 const TOKENS_MAX: usize = 100;
 
-/// Everyone who may come in beside the owner.
+/// All users and tokens except the owner's.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Roster {
@@ -20,17 +19,17 @@ pub struct Roster {
     tokens: BTreeMap<String, Token>,
 }
 
-/// What is kept of a user.
+/// Stored data of a user.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Entry {
     pub(super) role: Role,
-    /// The password's hash.
+    /// Hash of the password.
     pub(super) password: String,
-    /// When the password was set: ms since 1970, UTC. Logins from before no longer count.
+    /// Time at which the password was set: ms since 1970, UTC. Earlier logins are invalid.
     pub(super) since_ms: u64,
 }
 
-/// What is kept of a token.
+/// Stored data of a token.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Token {
     pub(super) user: String,
@@ -43,7 +42,7 @@ pub(super) struct Token {
     pub(super) digest: String,
 }
 
-/// Why the roster does not change.
+/// Reason why a change of the roster is refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RosterError {
     /// The name is not valid.
@@ -54,13 +53,13 @@ pub enum RosterError {
     /// The name is taken.
     #[error("there is a user {0} already: choose another name, or change that user")]
     Taken(String),
-    /// No one of that name.
+    /// No user has this name.
     #[error("there is no user {0}: `rafcon user list` names them")]
     NoUser(String),
-    /// The user is the last who may manage the others.
+    /// The user is the last admin.
     #[error("{0} is the only admin: make somebody else one first")]
     LastAdmin(String),
-    /// There is no token of that name.
+    /// No token has this id.
     #[error("there is no such token: the list of tokens names them")]
     NoToken,
     /// The token has more rights than its user.
@@ -72,12 +71,12 @@ pub enum RosterError {
 }
 
 impl Roster {
-    /// What is kept of a user.
+    /// Stored data of a user.
     pub(super) fn user(&self, name: &str) -> Option<&Entry> {
         self.users.get(name)
     }
 
-    /// What someone may do; the owner everything.
+    /// The role of a user. The owner is an admin.
     pub(super) fn role_of(&self, name: &str) -> Option<Role> {
         if name == OWNER {
             return Some(Role::Admin);
@@ -85,7 +84,7 @@ impl Roster {
         self.users.get(name).map(|user| user.role)
     }
 
-    /// Everyone, by name.
+    /// All users, sorted by name.
     pub fn users(&self) -> Vec<User> {
         let user = |(name, entry): (&String, &Entry)| User { name: name.clone(), role: entry.role };
         self.users.iter().map(user).collect()
@@ -103,7 +102,7 @@ impl Roster {
         tokens.find(|(_, token)| is_it(token)).map(|(id, token)| (id.as_str(), token))
     }
 
-    /// Tokens of a user, or all.
+    /// Tokens of a user, or of all users.
     pub(super) fn tokens(&self, user: Option<&str>) -> Vec<TokenAbout> {
         let wanted = |token: &Token| user.is_none_or(|user| user == token.user);
         let tokens = self.tokens.iter().filter(|(_, token)| wanted(token));
@@ -129,7 +128,7 @@ impl Roster {
         Ok(())
     }
 
-    /// Sets another password. Tokens stay: they are secrets of their own.
+    /// Sets a password and ends the user's logins. Tokens stay valid: they are separate secrets.
     pub(super) fn set_password(
         &mut self,
         name: &str,
@@ -142,7 +141,7 @@ impl Roster {
         Ok(())
     }
 
-    /// Stores the same password hashed at another cost. Logins stay.
+    /// Stores the unchanged password, hashed at another cost. Logins stay valid.
     pub(super) fn keep_again(&mut self, name: &str, old: &str, hash: String) {
         let entry = self.users.get_mut(name).filter(|entry| entry.password == old);
         if let Some(entry) = entry {
@@ -172,7 +171,7 @@ impl Roster {
         Ok(())
     }
 
-    /// The token goes, if it is this user's; with no one named, whoever's it is.
+    /// Removes a token. With a user, only if the token belongs to them.
     pub(super) fn remove_token(&mut self, id: &str, user: Option<&str>) -> Result<(), RosterError> {
         let is_theirs = |token: &&Token| user.is_none_or(|user| user == token.user);
         self.tokens.get(id).filter(is_theirs).ok_or(RosterError::NoToken)?;
@@ -195,7 +194,7 @@ impl Roster {
 }
 
 impl Token {
-    /// Whether it has expired.
+    /// The token has expired.
     pub(super) fn is_over(&self, now_ms: u64) -> bool {
         self.expires_ms.is_some_and(|end| end <= now_ms)
     }

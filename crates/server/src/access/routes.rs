@@ -1,4 +1,4 @@
-//! Logging in and out, tokens, users. Knows requests and answers; the door and the roster decide what is allowed.
+//! Routes for logins, tokens and users. Knows requests and responses; rights and the roster decide what is allowed.
 
 use super::connection_slots::Peer;
 use super::limiter::network;
@@ -33,7 +33,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// Logs in with a password.
 ///
-/// The answer sets a cookie, which browsers send from then on. For programs, tokens are better.
+/// The response sets a cookie, which browsers then send. For programs, tokens are better.
 #[utoipa::path(post, path = "/api/v1/session", tag = "people", request_body = Login, responses(
     (status = 200, description = "Logged in", body = Session),
     (status = 400, description = "The body does not fit", body = Refusal),
@@ -60,7 +60,7 @@ async fn log_in(
     Ok(([(header::SET_COOKIE, server.set_cookie(secret.text(), &outer))], Json(about(who))))
 }
 
-/// Who is logged in.
+/// Returns the user of this request, with role and rights.
 #[utoipa::path(get, path = "/api/v1/session", tag = "people", responses(
     (status = 200, description = "You", body = Session),
 ))]
@@ -68,7 +68,7 @@ async fn session(who: Who) -> Json<Session> {
     Json(about(who))
 }
 
-/// Logs out.
+/// Ends the login of this request.
 #[utoipa::path(delete, path = "/api/v1/session", tag = "people", responses(
     (status = 204, description = "Logged out"),
     (status = 409, description = "Who asks is let in by a token", body = Refusal),
@@ -108,7 +108,7 @@ async fn change_password(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Tokens: one's own, or for an admin everyone's.
+/// Lists the user's own tokens, or all tokens for an admin.
 #[utoipa::path(get, path = "/api/v1/tokens", tag = "people", responses(
     (status = 200, description = "Without their secrets", body = [TokenAbout]),
 ))]
@@ -118,7 +118,7 @@ async fn tokens(State(server): State<Arc<ServerState>>, who: Who) -> Json<Vec<To
 
 /// Makes a token for a program.
 ///
-/// Only someone who is logged in can: a token that was stolen shall not make others.
+/// Requires a login or the owner's token: a stolen token must not make others.
 #[utoipa::path(post, path = "/api/v1/tokens", tag = "people", request_body = NewToken, responses(
     (status = 201, description = "The only time that its secret is told", body = TokenMade),
     (status = 400, description = "The body does not fit", body = Refusal),
@@ -160,7 +160,7 @@ async fn delete_token(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Who may log in.
+/// Lists the users, sorted by name.
 #[utoipa::path(get, path = "/api/v1/users", tag = "people", responses(
     (status = 200, description = "By name", body = [User]),
 ))]
@@ -168,7 +168,7 @@ async fn users(State(server): State<Arc<ServerState>>) -> Json<Vec<User>> {
     Json(server.people().users().roster().users())
 }
 
-/// Adds a user.
+/// Adds a user with role and password.
 #[utoipa::path(post, path = "/api/v1/users", tag = "people", request_body = NewUser, responses(
     (status = 201, description = "Added", body = User),
     (status = 400, description = "The body, the name or the password does not fit", body = Refusal),
@@ -189,7 +189,7 @@ async fn add_user(
 
 /// Changes a user's role or password.
 ///
-/// The change takes effect at once, also for what the user has open. Another password ends the user's logins.
+/// The change takes effect at once, also for open connections. A new password ends the user's logins.
 #[utoipa::path(patch, path = "/api/v1/users/{user}", tag = "people", request_body = ChangeUser,
     params(("user" = String, Path, description = "The user's name")),
     responses(
@@ -234,7 +234,7 @@ async fn remove_user(
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Who someone is, as it is told.
+/// The session of a user, as it is sent to clients.
 pub(crate) fn about(who: Who) -> Session {
     let rights = [Right::Observe, Right::Command, Right::Start, Right::Edit, Right::Administer];
     let Who { user, role, expires_ms, by: _ } = who;
@@ -242,7 +242,7 @@ pub(crate) fn about(who: Who) -> Session {
     Session { user, role, rights, version: env!("CARGO_PKG_VERSION").to_owned(), expires_ms }
 }
 
-/// Whose tokens someone may see and delete; nothing: everyone's.
+/// Owner of the tokens that the user may see and delete. `None` for an admin: all tokens.
 fn of(who: &Who) -> Option<&str> {
     (who.role != Role::Admin).then_some(&who.user)
 }

@@ -1,14 +1,14 @@
-//! Secrets: 256 random bits that only their owner knows, and the digest by which the server recognizes them.
+//! Secrets: 256 random bits for a client, and the digest by which the server recognizes them.
 
 use rustix::io::Errno;
 use rustix::rand::{GetRandomFlags, getrandom};
 use std::fmt;
 use std::io;
 
-/// How many random bytes a secret has.
+/// Length of a secret in random bytes.
 const BYTES: usize = 32;
 
-/// A secret's text. It is given out once and never shown by accident.
+/// A secret's text. It is sent once and never appears in debug output.
 #[derive(Clone)]
 pub(crate) struct Secret(String);
 
@@ -17,12 +17,12 @@ pub(crate) struct Secret(String);
 pub(crate) struct Digest(blake3::Hash);
 
 impl Secret {
-    /// A new secret.
+    /// A new random secret.
     pub(crate) fn new() -> io::Result<Self> {
         Ok(Self(hex(&random::<BYTES>()?)))
     }
 
-    /// One from a file; `None` if the text is not valid.
+    /// The secret in a file. `None` if the text is not valid.
     pub(crate) fn read(text: &str) -> Option<Self> {
         let text = text.trim();
         let fits = text.len() == 2 * BYTES && text.bytes().all(|byte| byte.is_ascii_hexdigit());
@@ -45,17 +45,17 @@ impl fmt::Debug for Secret {
 }
 
 impl Digest {
-    /// Of what someone claims to be a secret.
+    /// Digest of a claimed secret.
     pub(crate) fn of(text: &str) -> Self {
         Self(blake3::hash(text.as_bytes()))
     }
 
-    /// Its text, as files have it.
+    /// Its text, as in files.
     pub(crate) fn text(&self) -> String {
         self.0.to_hex().to_string()
     }
 
-    /// From a file.
+    /// Parses the text from a file.
     pub(crate) fn read(text: &str) -> Option<Self> {
         blake3::Hash::from_hex(text).ok().map(Self)
     }
@@ -81,7 +81,7 @@ pub(crate) fn random<const N: usize>() -> io::Result<[u8; N]> {
     Ok(bytes)
 }
 
-/// Bytes as text.
+/// Bytes in lower-case hexadecimal.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     let digit = |nibble: u8| char::from_digit(u32::from(nibble), 16).unwrap_or('0');
     bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()

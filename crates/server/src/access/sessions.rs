@@ -1,5 +1,5 @@
-//! Logins: who has been let in by a password or by the owner's link, and until when. They outlive the server, so that its pages
-//! continue when the next one is there. Only digests of their secrets are kept.
+//! Logins made with a password, and their expiry. Stored on disk, so that pages stay logged in across a restart of the server.
+//! Only digests of their secrets are stored.
 
 use super::private::{self, PrivateError};
 use super::secret::{Digest, Secret};
@@ -10,18 +10,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-/// How long a login lasts after its last use.
+/// Lifetime of a login after its last use.
 const LENGTH_MS: u64 = 12 * 3_600_000;
-/// By how much its end has to move before the file is written again.
+/// Minimum shift of a login's expiry that is worth a write.
 const GRAIN_MS: u64 = 600_000;
-/// How many logins a user may have; beyond that the one unused for longest is removed.
+/// Maximum number of logins per user. Beyond it, the one that expires first is removed.
 const MAX_OF_ONE: usize = 20;
 
-/// A login.
+/// A login of a user.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Login {
     pub(super) user: String,
-    /// When the user's password was set: another password ends the login.
+    /// Time at which the user's password was set. Another password ends the login.
     pub(super) since_ms: u64,
     pub(super) expires_ms: u64,
 }
@@ -34,14 +34,14 @@ pub(super) struct Sessions {
 }
 
 impl Sessions {
-    /// Those of the servers before. A file that cannot be read lets no one in.
+    /// Loads the logins of earlier servers. An invalid file counts as empty.
     pub(super) fn open(file: PathBuf) -> Result<Self, PrivateError> {
         let text = private::read(&file)?.unwrap_or_default();
         let logins = serde_json::from_str(&text).unwrap_or_default();
         Ok(Self { file, logins: Mutex::new(logins) })
     }
 
-    /// Makes a login; gives the secret that its owner shows from now on. One that cannot be written ends with the server.
+    /// Makes a login and its secret. A login that cannot be written lasts only as long as this server.
     pub(super) fn begin(
         &self,
         user: &str,
@@ -61,7 +61,7 @@ impl Sessions {
         Ok((secret, login))
     }
 
-    /// The login of this secret, which counts as used now.
+    /// The login with this secret. Extends its lifetime.
     pub(super) fn used(&self, secret: &str, now_ms: u64) -> Option<(String, Login)> {
         let digest = Digest::of(secret).text();
         let mut logins = self.logins.lock();
@@ -72,7 +72,7 @@ impl Sessions {
         }
         login.expires_ms += moved;
         let login = login.clone();
-        // If the disk refuses, a login ends earlier; nothing else happens.
+        // A failed write only makes the login expire earlier.
         self.keep(&logins).unwrap_or_default();
         Some((digest, login))
     }
@@ -82,7 +82,7 @@ impl Sessions {
         self.logins.lock().get(digest).filter(|login| login.expires_ms > now_ms).cloned()
     }
 
-    /// Ends one. If the others cannot be written, all logins end with the server.
+    /// Ends a login. If the remaining logins cannot be written, it removes the file, so that all logins end with the server.
     pub(super) fn end(&self, digest: &str) -> Result<(), PrivateError> {
         let mut logins = self.logins.lock();
         logins.remove(digest);
@@ -94,7 +94,7 @@ impl Sessions {
         })
     }
 
-    /// The login continues although its user's password is another.
+    /// Keeps a login valid after a change of its user's password.
     pub(super) fn renew(&self, digest: &str, since_ms: u64) -> Result<(), PrivateError> {
         let mut logins = self.logins.lock();
         if let Some(login) = logins.get_mut(digest) {
@@ -110,7 +110,7 @@ impl Sessions {
     }
 }
 
-/// Makes room for one more login of a user, at the expense of no one else.
+/// Removes the oldest logins of a user to make room for one more.
 fn make_room(logins: &mut BTreeMap<String, Login>, user: &str) {
     let own = logins.iter().filter(|(_, login)| login.user == user);
     let mut own = own.map(|(digest, login)| (login.expires_ms, digest.clone())).collect::<Vec<_>>();

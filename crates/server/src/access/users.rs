@@ -1,5 +1,5 @@
-//! Users and tokens as the server and the command line change them: requests are checked, secrets are made and hashed, the
-//! roster is written. Slow: never call a change where others wait.
+//! Changes of users and tokens, by the server and the command line: validates requests, makes and hashes secrets, and writes the
+//! roster. Slow: call changes only from blocking threads.
 
 use super::passwords::{self, BYTES_MAX, HashError, LENGTH_MIN};
 use super::private::{self, PrivateError};
@@ -22,7 +22,7 @@ pub struct Users {
     cost: HashCost,
 }
 
-/// Why users and tokens do not change.
+/// Reason why a change of users or tokens fails.
 #[derive(Debug, thiserror::Error)]
 pub enum UsersError {
     /// The change is not valid.
@@ -45,18 +45,18 @@ pub enum UsersError {
 }
 
 impl Users {
-    /// Those in a server's folder, which is made if it does not exist.
+    /// Opens those in a server's folder. Makes the folder if it does not exist.
     pub fn open(state: &Path, cost: HashCost) -> Result<Self, PrivateError> {
         private::folder(state)?;
         Ok(Self { register: Register::open(state)?, cost })
     }
 
-    /// The current roster.
+    /// The current users and tokens.
     pub fn roster(&self) -> Arc<Roster> {
         self.register.now()
     }
 
-    /// Whether someone of this name may do this now.
+    /// The user with this name currently has the right.
     pub(crate) fn may(&self, name: &str, right: Right) -> bool {
         self.roster().role_of(name).is_some_and(|role| role.grants(right))
     }
@@ -69,7 +69,7 @@ impl Users {
         self.cost
     }
 
-    /// Adds a user.
+    /// Adds a user with role and password.
     pub fn add(&self, name: &str, role: Role, password: &str) -> Result<(), UsersError> {
         let password = self.hash(password)?;
         let entry = Entry { role, password, since_ms: since_1970_ms() };
@@ -81,7 +81,7 @@ impl Users {
         self.register.change(|roster| roster.remove(name))
     }
 
-    /// Sets another role, another password (which ends the user's logins), or both. If one fails, neither is set.
+    /// Sets a role, a password (which ends the user's logins), or both. If one fails, neither is set.
     pub fn change(
         &self,
         name: &str,
@@ -96,7 +96,7 @@ impl Users {
         })
     }
 
-    /// Stores the same password at the current cost.
+    /// Stores the unchanged password, hashed at the current cost.
     pub(super) fn keep_again(
         &self,
         name: &str,
@@ -110,7 +110,7 @@ impl Users {
         })
     }
 
-    /// Makes a token for a user who has the right `most` now.
+    /// Makes a token for a user whose current role is `most`.
     pub fn make_token(
         &self,
         user: &str,
@@ -135,7 +135,7 @@ impl Users {
         Ok(TokenMade { id, token: secret.text().to_owned() })
     }
 
-    /// One token less: of this user, or of anyone.
+    /// Removes a token. With a user, only if the token belongs to them.
     pub fn remove_token(&self, id: &str, user: Option<&str>) -> Result<(), UsersError> {
         self.register.change(|roster| roster.remove_token(id, user))
     }
@@ -148,7 +148,7 @@ impl Users {
     }
 }
 
-/// A token's id and its secret.
+/// A new token's id and secret.
 fn made() -> Result<(String, Secret), UsersError> {
     let failed = |error: std::io::Error| HashError::new(&error);
     let id = hex(&random::<8>().map_err(failed)?);

@@ -1,27 +1,27 @@
-//! Who makes a request, once the door has let it in.
+//! The authenticated sender of a request.
 
 use crate::Failure;
 use axum::extract::{FromRequestParts, OptionalFromRequestParts};
 use axum::http::request::Parts;
 use rafcon_protocol::api::{Right, Role};
 
-/// Someone whom the door knows. A handler that takes one as an argument is told who asks.
+/// An authenticated user. Handlers receive it as an argument.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Who {
-    /// The user's name: the author of what they do.
+    /// The user's name, recorded as the author of their actions.
     pub user: String,
-    /// What they may do.
+    /// Role of the user, limited to that of the credential.
     pub role: Role,
-    /// When the session ends: ms since 1970, UTC.
+    /// Expiry of the credential: ms since 1970, UTC.
     pub expires_ms: Option<u64>,
-    /// How they were identified.
+    /// Credential of the request.
     pub by: Credential,
 }
 
-/// By what someone is known. No secret: none of these lets anyone in.
+/// Identifies a credential. It contains no secret.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Credential {
-    /// The owner's token.
+    /// The token of the owner.
     Owner,
     /// The token of the bridge to ROS 2.
     Ros,
@@ -64,7 +64,7 @@ impl<S: Sync> OptionalFromRequestParts<S> for Who {
     }
 }
 
-/// The answer to a request without a credential.
+/// The refusal of a request without a credential.
 pub(crate) fn nobody() -> Failure {
     let message = "nobody is logged in: send a token, or log in at /api/v1/session";
     let failure = Failure::unauthorized("not_logged_in", message);
