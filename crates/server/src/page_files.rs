@@ -21,7 +21,7 @@ pub(crate) struct PageFile {
     pub(crate) bytes: Cow<'static, [u8]>,
     /// The bytes are a gzip file.
     pub(crate) is_packed: bool,
-    /// Value for `Content-Type`.
+    /// Value for the header `Content-Type`.
     pub(crate) kind: &'static str,
 }
 

@@ -42,7 +42,7 @@ pub struct Settings {
     pub robots: Option<Arc<dyn Robots>>,
     /// Address, names and limits of the listener.
     pub listen: Listen,
-    /// Authentication of users.
+    /// Settings of tokens and passwords.
     pub access: Access,
 }
 
@@ -177,7 +177,7 @@ impl BasePath {
     }
 }
 
-/// Authentication of users.
+/// Settings of tokens and passwords.
 #[derive(Debug, Clone)]
 pub struct Access {
     /// Keep the owner's token of the last start.

@@ -29,7 +29,7 @@ pub struct ServerState {
     closing: watch::Sender<bool>,
     /// Counters that wake listeners of changes.
     pub(crate) news: ChangeCounters,
-    /// Recorded runs.
+    /// Access to recorded runs.
     pub(crate) history: History,
     /// The folders with machines, and the libraries.
     pub(crate) projects: Projects,

@@ -15,7 +15,7 @@ const RIGHT_MS: u64 = 2_000;
 /// Maximum number of tracked keys.
 const MAX: usize = 10_000;
 
-/// Attempts by key.
+/// Login attempts, counted by key.
 #[derive(Debug, Default)]
 pub(super) struct Limiter {
     /// Time at which all attempts of a key are forgotten, in ms.

@@ -1,4 +1,4 @@
-//! Logins made with a password, and their expiry. Stored on disk, so that pages stay logged in across a restart of the server.
+//! Logins by a password or the owner's link, with their expiry. Stored on disk, so that they outlast a restart of the server.
 //! Only digests of their secrets are stored.
 
 use super::private::{self, PrivateError};

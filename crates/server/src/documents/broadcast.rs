@@ -1,11 +1,11 @@
-//! What everyone is told about an open machine: the latest truth, and who looks at it. Knows who waits for it; knows nothing of
-//! files or edits. Nothing here waits for anyone, so that it may be asked from anywhere.
+//! Publishes status, revision and viewers of an open machine. Knows the listeners; does not know files or edits. Nothing here
+//! blocks.
 
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{MachineStatus, MachineSummary, Presence};
 use tokio::sync::watch;
 
-/// Whom to wake, as long as the machine is open.
+/// Channels to the listeners. `None` once the machine is closed.
 #[derive(Debug)]
 pub(super) struct Broadcast(Mutex<Option<Channels>>);
 
@@ -16,7 +16,7 @@ struct Channels {
 }
 
 impl Broadcast {
-    /// No one looks at it yet.
+    /// Channels of a machine without viewers.
     pub(super) fn new(summary: MachineSummary) -> Self {
         let revision = watch::Sender::new(summary.revision);
         let status = watch::Sender::new(MachineStatus { summary, people: Vec::new() });
@@ -27,7 +27,7 @@ impl Broadcast {
         self.0.lock().is_some()
     }
 
-    /// Its status; `None` once it is closed.
+    /// Its summary. `None` once it is closed.
     pub(super) fn summary(&self) -> Option<MachineSummary> {
         self.0.lock().as_ref().map(|ends| ends.status.borrow().summary.clone())
     }
@@ -40,7 +40,7 @@ impl Broadcast {
         self.0.lock().as_ref().map(|ends| ends.revision.subscribe())
     }
 
-    /// Sets its status. Its viewers stay as they are.
+    /// Publishes its summary. The viewers do not change.
     pub(super) fn tell(&self, summary: MachineSummary) {
         if let Some(ends) = &*self.0.lock() {
             let revision = summary.revision;
@@ -49,7 +49,7 @@ impl Broadcast {
         }
     }
 
-    /// Someone looks at these states.
+    /// Sets the states that a connection shows.
     pub(super) fn looks(&self, presence: Presence) {
         if let Some(ends) = &*self.0.lock() {
             ends.status.send_modify(|status| match place_of(&status.people, presence.connection) {
@@ -59,7 +59,7 @@ impl Broadcast {
         }
     }
 
-    /// Someone looks elsewhere.
+    /// Removes a connection from the viewers.
     pub(super) fn leaves(&self, connection: u64) {
         if let Some(ends) = &*self.0.lock() {
             ends.status.send_if_modified(|status| {
@@ -69,12 +69,12 @@ impl Broadcast {
         }
     }
 
-    /// Nothing more will come.
+    /// Closes all channels to the listeners.
     pub(super) fn close(&self) {
         *self.0.lock() = None;
     }
 
-    /// The same unless someone looks at it or waits for what comes; whether it is closed.
+    /// Closes all channels if the machine has neither viewers nor listeners. Returns `true` if it did.
     pub(super) fn close_unless_followed(&self) -> bool {
         let mut ends = self.0.lock();
         let is_followed = ends.as_ref().is_some_and(|ends| {

@@ -1,5 +1,4 @@
-//! All open machines: which folder is open under which name. Knows machine sessions; their work on files belongs on threads
-//! that may block.
+//! All open machines, by folder and name. Knows machine sessions. Their file operations must run on blocking threads.
 
 use super::disk;
 use super::operation::{EditRequest, Operation, RecordedOperation};
@@ -22,11 +21,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How many machines may be open at a time.
+/// Maximum number of open machines.
 const OPEN_MAX: usize = 64;
-/// How many git queries run at a time.
+/// Maximum number of parallel git queries.
 const GITS: usize = 2;
-/// The maximum length of the names of edits, in characters.
+/// Maximum length of an edit's name, in characters.
 const NAME_MAX: usize = 200;
 
 /// The open machines of a server.
@@ -35,21 +34,21 @@ pub(crate) struct Documents {
     /// The folder with all drafts.
     drafts: PathBuf,
     naming: Naming,
-    /// Passed before machines are read.
+    /// Limits parallel loads of machines.
     pub(super) loads: Gate,
-    /// Passed before machines are written, or read again.
+    /// Limits parallel saves and reloads.
     pub(super) saves: Gate,
-    /// Passed before something is computed from an open machine.
+    /// Limits parallel computations on open machines.
     pub(super) looks: Gate,
-    /// Passed before git is queried, which may take long: opening a machine does not wait for that.
+    /// Limits parallel git queries. They may take long, and opening a machine must not wait for them.
     pub(super) versions: Gate,
     sessions: Mutex<BTreeMap<String, Arc<MachineSession>>>,
-    /// Folders that someone opens, closes or moves to.
+    /// Folders that are being opened, closed or moved to.
     claimed: Mutex<BTreeSet<PathBuf>>,
     released: Condvar,
 }
 
-/// A folder that no one else opens or closes meanwhile.
+/// Exclusive claim on a folder, released on drop.
 #[derive(Debug)]
 pub(super) struct FolderClaim<'d> {
     documents: &'d Documents,
@@ -57,7 +56,7 @@ pub(super) struct FolderClaim<'d> {
 }
 
 impl Documents {
-    /// No machine is open.
+    /// The documents of a server that has just started: none are open.
     pub(crate) fn new(settings: &Settings) -> Self {
         super::versions::sweep(&settings.state);
         let found = config::find(settings.config.as_deref(), &settings.variable);
@@ -74,12 +73,12 @@ impl Documents {
         }
     }
 
-    /// Every open machine in one line.
+    /// Summaries of all open machines.
     pub(crate) fn summaries(&self) -> Vec<MachineSummary> {
         self.sessions.lock().values().filter_map(|session| session.summary().ok()).collect()
     }
 
-    /// Every open machine.
+    /// Sessions of all open machines.
     pub(super) fn all(&self) -> Vec<Arc<MachineSession>> {
         self.sessions.lock().values().cloned().collect()
     }
@@ -94,7 +93,7 @@ impl Documents {
         self.sessions.lock().get(id).cloned().ok_or_else(|| closed(id))
     }
 
-    /// An open machine as it is now.
+    /// The current content of an open machine.
     pub(crate) fn machine_of(&self, id: &str) -> Result<Machine, Failure> {
         Ok(self.session(id)?.machine().1)
     }
@@ -103,7 +102,7 @@ impl Documents {
         self.sessions.lock().values().find(|session| session.folder() == folder).cloned()
     }
 
-    /// Waits until no one else opens or closes the folder.
+    /// Waits until the folder is unclaimed, and claims it.
     pub(super) fn claim(&self, folder: &Path) -> FolderClaim<'_> {
         let mut claimed = self.claimed.lock();
         while !claimed.insert(folder.to_owned()) {
@@ -112,13 +111,13 @@ impl Documents {
         FolderClaim { documents: self, folder: folder.to_owned() }
     }
 
-    /// The same, unless someone does.
+    /// Claims the folder. `None` if it is already claimed.
     fn try_claim(&self, folder: &Path) -> Option<FolderClaim<'_>> {
         let is_free = self.claimed.lock().insert(folder.to_owned());
         is_free.then(|| FolderClaim { documents: self, folder: folder.to_owned() })
     }
 
-    /// The place that a request names for a machine.
+    /// Location of the machine that a request names.
     pub(super) fn requested_location(
         &self,
         server: &ServerState,
@@ -140,7 +139,7 @@ impl Documents {
         Tools { libraries: server.projects.libraries(), naming: self.naming }
     }
 
-    /// Opens the machine in a folder, once for all clients, with the edits that a dead server had answered. Edits that no
+    /// Opens the machine in a folder, once for all clients. Includes acknowledged edits of a server that crashed. Edits that no
     /// longer fit are set aside, but only for a user who may edit.
     pub(crate) fn open(
         &self,
@@ -172,7 +171,7 @@ impl Documents {
         session.summary()
     }
 
-    /// If need be, closes the machine that has been open for the longest of those that no one follows and that lie on disk.
+    /// At the limit of open machines, closes the oldest one that is saved and has no followers.
     fn make_room(&self) -> Result<(), Failure> {
         let mut sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
         if sessions.len() < OPEN_MAX {
@@ -192,7 +191,7 @@ impl Documents {
         Err(Failure::too_many("too_many_machines", message))
     }
 
-    /// Makes a machine in a folder that does not exist, and opens it.
+    /// Makes a machine in a new folder, and opens it.
     pub(crate) fn make(
         &self,
         server: &ServerState,
@@ -219,7 +218,7 @@ impl Documents {
         self.open(server, &new.file, true)
     }
 
-    /// Performs it; gives the new revision.
+    /// Performs an operation on an open machine and returns the new revision.
     pub(crate) fn change(
         &self,
         server: &ServerState,
@@ -240,7 +239,7 @@ impl Documents {
         Ok(revision)
     }
 
-    /// Reads the files of an open machine again; gives the new revision.
+    /// Reloads the files of an open machine and returns the new revision.
     pub(crate) fn reload(
         &self,
         server: &ServerState,
@@ -268,7 +267,7 @@ impl Documents {
         Ok(())
     }
 
-    /// Files in the folder of an open machine may have changed.
+    /// Reacts to possible changes of files in the folder of an open machine.
     pub(crate) fn look(&self, server: &ServerState, folder: &Path) {
         let Some(session) = self.room_of(folder) else { return };
         if let Err(failure) = session.look(&server.projects.libraries()) {
@@ -277,7 +276,7 @@ impl Documents {
         server.news.machines();
     }
 
-    /// Copies states of an open machine, in the form that can be pasted.
+    /// Copies states of an open machine for pasting.
     pub(crate) fn copy(&self, id: &str, wish: &CopyStates) -> Result<Selection, Failure> {
         let (_, machine) = self.session(id)?.machine();
         let state = machine.state(&StatePath::parse(&wish.path));
@@ -292,7 +291,7 @@ impl Documents {
         Ok(Selection::of(&rafcon_model::edit::copy(state, &states, &variables)))
     }
 
-    /// Someone looks at states of an open machine.
+    /// Sets the states of an open machine that a connection shows.
     pub(crate) fn looks(
         &self,
         server: &ServerState,
@@ -304,7 +303,7 @@ impl Documents {
         Ok(())
     }
 
-    /// A connection is gone, or views something else.
+    /// Removes a connection from the viewers of all machines.
     pub(crate) fn leaves(&self, connection: u64) {
         let sessions: Vec<_> = self.sessions.lock().values().cloned().collect();
         for session in sessions {
@@ -328,18 +327,18 @@ fn check_name(name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Where the revisions of a machine begin that is opened now: above all that it ever had, and small enough for JavaScript.
+/// First revision of a machine that is opened now: above all earlier ones, and exact in JavaScript.
 fn first_revision() -> u64 {
     since_1970_ms() * 1000
 }
 
-/// A name for a folder that stays the same from one server to the next.
+/// A name for a folder that is stable across servers.
 fn name_of(folder: &Path) -> String {
     let hash = blake3::hash(folder.as_os_str().as_encoded_bytes()).to_hex();
     hash[..16].to_owned()
 }
 
-/// Someone may have opened a machine here that lies elsewhere now.
+/// Finds an unused name: a machine opened here may since have moved elsewhere.
 fn free_name(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let mut name = wanted.to_owned();
     let mut number = 2_u32;

@@ -1,10 +1,10 @@
-//! What was done to an open machine since it was read, written before it is answered, so that a server that dies loses nothing,
-//! and synced a moment later, so that a power cut loses that moment at most.
-//! Knows lines and files, but not what an edit means.
+//! A journal of the changes of an open machine since it was loaded. Each change is written before it is acknowledged, so that a
+//! crash of the server loses nothing. It is synced a moment later, so that a power cut loses at most that moment.
+//! Knows lines and files, but not the meaning of an edit.
 //!
-//! A draft is a folder: `operations.jsonl` says what was read, what was done and when it was saved; beside it lie machines as
-//! documents, named after their content: the one that was read, and those that replaced it. The one that was read is written
-//! before the first line, so that the lines mean something whatever becomes of the machine's files.
+//! A draft is a folder. `operations.jsonl` records the load, the operations and the saves. Machines are stored beside it as
+//! documents, named by their content: the loaded one, and those that replaced it. The loaded machine is written before the first
+//! line, so that the lines can be replayed even if the machine's files change.
 
 use super::group_sync::GroupSync;
 use super::operation::{EditRequest, RecordedOperation};
@@ -15,7 +15,7 @@ use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-/// The file of the lines.
+/// Name of the file with the lines.
 pub(super) const OPERATIONS: &str = "operations.jsonl";
 /// The format of the lines; the first one had no `saving`.
 const FORMAT: u32 = 2;
@@ -25,49 +25,49 @@ const FORMAT: u32 = 2;
 pub(super) struct DraftHeader {
     /// The format of the lines.
     format: u32,
-    /// Where the machine lies.
+    /// Folder of the machine.
     pub(super) folder: PathBuf,
-    /// The content that was read.
+    /// Hash of the loaded content.
     pub(super) base: String,
-    /// Its revision.
+    /// Revision of the loaded content.
     pub(super) revision: u64,
-    /// What was done before, the last of it last.
+    /// Earlier acknowledged operations, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) answered: Vec<RecordedAnswer>,
 }
 
-/// An operation that was done and answered, of which nothing else is known.
+/// The id and the revision of an acknowledged operation; its content is no longer stored.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct RecordedAnswer {
     #[serde(flatten)]
     pub(super) request: EditRequest,
-    /// The revision that it made.
+    /// The revision that the operation made.
     pub(super) revision: u64,
 }
 
-/// A later line.
+/// A line after the header.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "line", rename_all = "snake_case")]
 pub(super) enum DraftLine {
-    /// An operation was done.
+    /// An operation was performed.
     Done(Box<RecordedOperation>),
     /// The machine is about to be saved.
     Saving {
-        /// At this revision.
+        /// Revision that is being saved.
         revision: u64,
-        /// The content of its files afterwards.
+        /// Hash of its files after the save.
         hash: String,
     },
     /// The machine was saved.
     Saved {
-        /// At this revision.
+        /// Revision that was saved.
         revision: u64,
-        /// The content of its files.
+        /// Hash of its files.
         hash: String,
     },
 }
 
-/// The draft of an open machine. Nothing is on disk until there is something to lose.
+/// The draft of an open machine. It is not on disk until the first change.
 #[derive(Debug)]
 pub(super) struct Draft {
     place: PathBuf,
@@ -75,7 +75,7 @@ pub(super) struct Draft {
     file: Option<DraftFile>,
 }
 
-/// The lines on disk.
+/// The file with the lines.
 #[derive(Debug)]
 struct DraftFile {
     file: File,
@@ -88,12 +88,12 @@ struct DraftFile {
 pub(super) struct FoundDraft {
     pub(super) head: DraftHeader,
     pub(super) lines: Vec<DraftLine>,
-    /// The length of the valid lines; what follows was never answered.
+    /// Length of the complete lines. The rest was never acknowledged.
     length: u64,
 }
 
 impl FoundDraft {
-    /// The revision that was saved last, and the content of its files.
+    /// The last saved revision, and the hash of its files.
     pub(super) fn saved(&self) -> (u64, &str) {
         let saved = self.lines.iter().rev().find_map(|line| match line {
             DraftLine::Saved { revision, hash } => Some((*revision, hash.as_str())),
@@ -102,7 +102,7 @@ impl FoundDraft {
         saved.unwrap_or((self.head.revision, &self.head.base))
     }
 
-    /// Number of its operations that are saved.
+    /// Number of saved operations.
     pub(super) fn saved_steps(&self) -> u64 {
         self.saved().0.saturating_sub(self.head.revision)
     }
@@ -115,7 +115,7 @@ impl DraftHeader {
     }
 }
 
-/// The draft in `place`. One that cannot be read is not touched.
+/// The draft in `place`. An unreadable draft stays untouched.
 pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
     let path = place.join(OPERATIONS);
     let Some(text) = private::read(&path)? else { return Ok(None) };
@@ -136,8 +136,8 @@ pub(super) fn find(place: &Path) -> Result<Option<FoundDraft>, PrivateError> {
 }
 
 impl DraftFile {
-    /// The lines in a draft's folder, up to this length. They are synced together with the document that they begin with and
-    /// with the folders that contain them.
+    /// Opens the lines of a draft, cut to this length. Each sync includes the folders that contain them; the first one also
+    /// includes the base document.
     fn open(place: &Path, base: &str, length: u64) -> io::Result<Self> {
         let file = private::open(&place.join(OPERATIONS))?;
         file.set_len(length)?;
@@ -145,7 +145,7 @@ impl DraftFile {
         let mut synced = vec![file.try_clone()?, File::open(place)?];
         synced.extend(place.parent().map(File::open).transpose()?);
         let sync = GroupSync::begin(move || {
-            // It never changes, so that once is enough.
+            // The document never changes, so one sync suffices.
             if let Some(document) = &base {
                 document.sync_all()?;
                 base = None;
@@ -155,7 +155,7 @@ impl DraftFile {
         Ok(Self { file, length, sync })
     }
 
-    /// Appends to it. If that fails, nothing of it stays.
+    /// Appends text. If that fails, no part of it remains.
     fn append(&mut self, text: &str) -> io::Result<()> {
         if let Err(error) = self.file.write_all(text.as_bytes()) {
             self.file.set_len(self.length)?;
@@ -168,12 +168,12 @@ impl DraftFile {
 }
 
 impl Draft {
-    /// A draft that has nothing to keep yet.
+    /// A draft that is not yet on disk.
     pub(super) fn new(place: PathBuf, head: DraftHeader) -> Self {
         Self { place, head, file: None }
     }
 
-    /// A draft that replaces one whose edits are all saved, but whose answered ids are to stay known.
+    /// Replaces a draft whose edits are all saved. The ids of acknowledged operations stay known.
     pub(super) fn anew(
         place: PathBuf,
         head: DraftHeader,
@@ -188,14 +188,14 @@ impl Draft {
         Ok(Self { place, head, file: Some(file) })
     }
 
-    /// Continues a draft that an earlier server left behind. `document` is what the draft begins with, if the files hold it.
+    /// Continues a draft of an earlier server. `document` is the base document if the machine's files still contain it.
     pub(super) fn go_on(
         place: PathBuf,
         found: &FoundDraft,
         document: Option<&[u8]>,
     ) -> Result<Self, PrivateError> {
         let head = found.head.clone();
-        // Earlier versions of the server relied on the files for it.
+        // Earlier versions of the server did not store the base document.
         if let Some(document) = document
             && !document_in(&place, &head.base).exists()
         {
@@ -204,22 +204,22 @@ impl Draft {
         let path = place.join(OPERATIONS);
         let failed = |source| PrivateError::new("write", &path, source);
         let file = DraftFile::open(&place, &head.base, found.length).map_err(failed)?;
-        // The server that wrote it may have died before it was synced.
+        // The earlier server may have crashed before the sync.
         file.sync.written();
         Ok(Self { place, head, file: Some(file) })
     }
 
-    /// Whether there is something on disk.
+    /// The draft is on disk.
     pub(super) fn is_begun(&self) -> bool {
         self.file.is_some()
     }
 
-    /// Its folder.
+    /// Folder of the draft.
     pub(super) fn place(&self) -> &Path {
         &self.place
     }
 
-    /// Puts it on disk: `document` is what it begins with. Does not wait for the disk.
+    /// Creates the draft on disk, with `document` as its base. Does not wait for the disk.
     pub(super) fn begin(&mut self, document: &[u8]) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
@@ -232,7 +232,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Writes a line of a draft that is begun. If that fails, nothing of it stays.
+    /// Appends a line to a draft on disk. If that fails, no part of it remains.
     pub(super) fn append(&mut self, line: &DraftLine) -> Result<(), PrivateError> {
         let path = self.place.join(OPERATIONS);
         let failed = |source: io::Error| PrivateError::new("write", &path, source);
@@ -241,7 +241,7 @@ impl Draft {
         file.append(&text).map_err(failed)
     }
 
-    /// Moves to the folder of a machine that lies elsewhere from now on.
+    /// Moves the draft to the folder for another location of the machine.
     pub(super) fn move_to(&mut self, place: PathBuf) -> Result<(), PrivateError> {
         if let Some(file) = &self.file {
             let failed = |source| PrivateError::new("move the draft to", &place, source);
@@ -252,14 +252,14 @@ impl Draft {
         Ok(())
     }
 
-    /// Discards everything.
+    /// Deletes the draft from disk.
     pub(super) fn discard(&mut self) -> Result<(), PrivateError> {
         self.file = None;
         discard(&self.place)
     }
 }
 
-/// Removes a draft.
+/// Removes a draft's folder, if it exists.
 pub(super) fn discard(place: &Path) -> Result<(), PrivateError> {
     match fs::remove_dir_all(place) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => {
@@ -269,23 +269,23 @@ pub(super) fn discard(place: &Path) -> Result<(), PrivateError> {
     }
 }
 
-/// Keeps a document under the name of its content.
+/// Stores a document under its hash.
 pub(super) fn keep(place: &Path, hash: &str, document: &[u8]) -> Result<(), PrivateError> {
     private::folder(place)?;
     private::write(&document_in(place, hash), document)
 }
 
-/// A document that was kept.
+/// Loads a stored document.
 pub(super) fn kept(place: &Path, hash: &str) -> Result<Option<String>, PrivateError> {
     private::read(&document_in(place, hash))
 }
 
-/// The file of a document.
+/// Path of the document with this hash.
 fn document_in(place: &Path, hash: &str) -> PathBuf {
     place.join(format!("{hash}.json"))
 }
 
-/// A draft that cannot be read stays where it is.
+/// Refusal for an unreadable draft, which stays on disk.
 pub(super) fn unreadable(error: &PrivateError) -> Failure {
     let message = format!(
         "{error}; edits that were not saved are in it: move the folder away to open the machine without them"

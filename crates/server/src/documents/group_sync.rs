@@ -1,5 +1,5 @@
-//! A file's way to the disk, in groups: what is written is synced a moment later, by a thread of its own, so that whoever writes
-//! does not wait for the disk. Does not know what is written.
+//! Syncs a file in groups: a separate thread syncs a moment after a write, so that writers do not wait for the disk. Does not
+//! know the content.
 
 use crate::log;
 use std::convert::Infallible;
@@ -8,19 +8,19 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// Writes within this time are synced together.
+/// Interval in which writes are synced together.
 const GROUP: Duration = Duration::from_millis(50);
 
-/// The thread that syncs a file. It ends when this is dropped, after a last sync of what was written.
+/// The thread that syncs a file. When this is dropped, it ends after syncing the last writes.
 #[derive(Debug)]
 pub(super) struct GroupSync {
     written: SyncSender<()>,
-    /// Carries no message: the thread waits until it is closed.
+    /// Never carries a message: closing it ends the thread.
     _end: SyncSender<Infallible>,
 }
 
 impl GroupSync {
-    /// `sync` brings to the disk everything that was written before it is called.
+    /// `sync` flushes everything written before its call.
     pub(super) fn begin(sync: impl FnMut() -> io::Result<()> + Send + 'static) -> io::Result<Self> {
         let (written, groups) = sync_channel(1);
         let (end, is_over) = sync_channel(1);
@@ -29,9 +29,9 @@ impl GroupSync {
         Ok(Self { written, _end: end })
     }
 
-    /// Something was written.
+    /// Requests a sync of new writes.
     pub(super) fn written(&self) {
-        // A sync that is already pending includes this.
+        // A pending sync includes these writes.
         let _waits_already = self.written.try_send(());
     }
 }

@@ -1,5 +1,5 @@
-//! An open machine as a value with a past: edits of several users in one order, each accepted once, each undone by its own
-//! author only. Pure: an operation is prepared first, so that it can be written down, and performed then.
+//! An open machine with its history: concurrent edits in one order, each accepted once, each undone only by its author. Pure: an
+//! operation is prepared first, so that it can be recorded before it is committed.
 
 use super::merge;
 use super::operation::{EditRequest, Operation, ReadOperation};
@@ -12,10 +12,10 @@ use rafcon_protocol::api::{MachineSteps, Revision, RevisionKind};
 use rafcon_protocol::document::changes;
 use std::collections::{BTreeMap, VecDeque};
 
-/// How many ids of operations are known, so that a repeated request gets the same answer.
+/// Capacity of the known ids of operations. A repeated request gets its first answer.
 const ANSWERED_MAX: usize = 100_000;
 
-/// An operation that can be performed now.
+/// An operation that is ready to commit.
 #[derive(Debug)]
 pub(super) struct Prepared {
     machine: Machine,
@@ -24,7 +24,7 @@ pub(super) struct Prepared {
     mark: Fingerprint,
 }
 
-/// A machine that several users edit.
+/// A machine with its history and the known requests.
 #[derive(Debug)]
 pub(super) struct OpenMachine {
     machine: Machine,
@@ -32,10 +32,10 @@ pub(super) struct OpenMachine {
     answered: AnsweredRequests,
 }
 
-/// The name of a revision, the machine that it leads to, and the way back.
+/// Name and result of a revision, and its inverse.
 type Next = (String, Machine, InverseChange);
 
-/// What was done under which id.
+/// Revisions by request, with the oldest first for eviction.
 #[derive(Debug, Default)]
 struct AnsweredRequests {
     revisions: BTreeMap<EditRequest, u64>,
@@ -43,18 +43,18 @@ struct AnsweredRequests {
 }
 
 impl OpenMachine {
-    /// A machine that has no past; its next revision follows `revision`.
+    /// A machine without history. Its next revision follows `revision`.
     pub(super) fn new(machine: Machine, revision: u64) -> Self {
         let history = RevisionLog::of(machine.clone(), revision);
         Self { machine, history, answered: AnsweredRequests::default() }
     }
 
-    /// Adds an operation that was done before, and answered by this revision.
+    /// Adds an earlier operation, which made this revision.
     pub(super) fn knows(&mut self, request: EditRequest, revision: u64) {
         self.answered.push(request, revision);
     }
 
-    /// The machine as it is now.
+    /// The current content of the machine.
     pub(super) fn machine(&self) -> &Machine {
         &self.machine
     }
@@ -64,22 +64,22 @@ impl OpenMachine {
         self.history.last()
     }
 
-    /// What a reader has not seen whose next revision is `from`.
+    /// Revisions that a reader has not seen yet; `from` is the first.
     pub(super) fn since(&self, from: u64) -> RevisionsPage {
         self.history.since(from)
     }
 
-    /// What was done to it since it was read.
+    /// History since the load.
     pub(super) fn steps(&self) -> MachineSteps {
         self.history.steps()
     }
 
-    /// The revision that this request has made already.
+    /// The revision that this request made, if it was already performed.
     pub(super) fn answered(&self, request: &EditRequest) -> Option<u64> {
         self.answered.revisions.get(request).copied()
     }
 
-    /// What performing it would result in. Nothing has changed yet.
+    /// Computes the result of an operation without performing it.
     pub(super) fn prepare(
         &self,
         request: EditRequest,
@@ -92,7 +92,7 @@ impl OpenMachine {
         self.prepare_again(request, at_ms, operation)
     }
 
-    /// The same for what was allowed before: a jump also if it changes nothing now, for libraries may have changed.
+    /// Prepares an operation that was already allowed. A jump may also change nothing, because libraries may have changed.
     pub(super) fn prepare_again(
         &self,
         request: EditRequest,
@@ -123,7 +123,7 @@ impl OpenMachine {
         Ok((name, machine, InverseChange::Edit(back)))
     }
 
-    /// The author's own last undo or redo.
+    /// Prepares the author's own last undo or redo.
     fn step(&self, author: &str, kind: RevisionKind) -> Result<Next, OperationRefusal> {
         let (name, inverse) = self.history.inverse(author, kind)?;
         let name = name.to_owned();
@@ -167,7 +167,7 @@ impl OpenMachine {
         Ok(self.replace(name, machine.clone()))
     }
 
-    /// Performs what was prepared; nothing may have been performed since.
+    /// Performs a prepared operation. No other may have been committed since.
     pub(super) fn commit(&mut self, prepared: Prepared) -> u64 {
         let Prepared { machine, revision, inverse, mark } = prepared;
         self.history.push(&revision, inverse, &machine, mark);
@@ -190,7 +190,7 @@ impl AnsweredRequests {
     }
 }
 
-/// What takes back a revision that leads from `before` to `machine`.
+/// The inverse of a revision from `before` to `machine`.
 fn inverse(change: InverseChange, machine: &Machine, before: &Machine) -> Inverse {
     let (places, layouts) = match &change {
         InverseChange::Edit(back) => (places(back), merge::layouts(back, machine)),

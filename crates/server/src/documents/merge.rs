@@ -1,14 +1,14 @@
-//! Layouts in which several people moved things: a step is taken back element by element, so that what someone else moved
-//! meanwhile stays. Pure.
+//! Merges layouts that several users changed: an undo reverts a step element by element, so that later moves of others stay.
+//! Pure.
 
 use rafcon_model::edit::{Edit, Field, Set};
 use rafcon_model::{Json, Layout, Machine, StatePath};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Layouts by state, as a step left them.
+/// Layouts by state, as a step set them.
 pub(super) type Layouts = BTreeMap<StatePath, Layout>;
 
-/// The layouts that a step has set, as they are in the machine after it; `back` takes the step back.
+/// The layouts that a step set, as in the machine after it. `back` is the inverse of the step.
 pub(super) fn layouts(back: &Edit, machine: &Machine) -> Layouts {
     let Edit::Restore(restore) = back else { return Layouts::new() };
     let set = restore.steps.iter().filter(|step| is_layout(&step.set));
@@ -20,8 +20,8 @@ fn is_layout(set: &Set) -> bool {
     matches!(set, Set::Field(Field::Layout(_)))
 }
 
-/// The way with layouts that keep what has changed in the machine since the step left `left` behind; `Err` names a state of
-/// which the same element was changed.
+/// Merges the inverse `way` with changes of layouts since the step set `left`. `Err` names a state with a conflict: the element
+/// was changed since.
 pub(super) fn merged(way: &Edit, left: &Layouts, machine: &Machine) -> Result<Edit, StatePath> {
     let Edit::Restore(restore) = way else { return Ok(way.clone()) };
     let mut merged = restore.clone();
@@ -41,7 +41,7 @@ pub(super) fn merged(way: &Edit, left: &Layouts, machine: &Machine) -> Result<Ed
     Ok(Edit::Restore(merged))
 }
 
-/// `now`, with what leads from `left` to `wanted`; `None` if an element of that has changed since.
+/// Applies to `now` the change that the inverse makes to `left`. `None` if an affected element has changed since.
 fn merge(left: &Layout, wanted: &Layout, now: &Layout) -> Option<Layout> {
     let (left, wanted, mut merged) = (left.json(), wanted.json(), now.json());
     let keys = [&left, &wanted].into_iter().flat_map(|json| json.as_object().unwrap_or_default());

@@ -1,7 +1,6 @@
-//! Open machines: what several people edit at the same time, with everyone's own steps back, and what is needed so that
-//! nothing of it gets lost.
+//! Open machines: concurrent editing, undo per user, and recovery of unsaved edits.
 //!
-//! Knows machines, their folders and who edits them. Does not know how people log in, nor what runs.
+//! Knows machines, their folders and their editors. Does not know logins or runs.
 
 mod broadcast;
 mod disk;

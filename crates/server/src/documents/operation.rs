@@ -1,5 +1,5 @@
-//! What users do to an open machine: one operation, from the request to the draft and to the revision that it makes. Knows how it
-//! is written and what it names, but not what it changes.
+//! Operations on an open machine, from the request to the draft and the revision. Knows how they are stored and what they
+//! refer to, but not their effect.
 
 use super::draft;
 use crate::Failure;
@@ -11,31 +11,31 @@ use rafcon_storage::{Libraries, fill_library};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A change of an open machine: as it was requested and is written down, or with everything loaded that it names.
+/// A change of an open machine. The type parameters distinguish the requested form from the loaded one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "what", rename_all = "snake_case")]
 pub(crate) enum Operation<E = Box<Edit>, M = String> {
-    /// An edit.
+    /// An edit with a name for people.
     Edit {
-        /// For people: "Rename state".
+        /// Name for people, such as "Rename state".
         name: String,
-        /// The edit.
+        /// Requested or loaded form of the edit.
         edit: E,
     },
     /// The author's own last undo.
     Undo,
     /// The author's own last redo.
     Redo,
-    /// The machine becomes another one, which the draft keeps under this name: the files were read again.
+    /// The files were reloaded: the machine becomes the document that the draft stores under this name.
     Replace {
-        /// The machine.
+        /// The machine, or its hash.
         document: M,
     },
-    /// The machine becomes what it was at a revision.
+    /// The machine returns to its content at a revision.
     Jump {
-        /// The revision.
+        /// Revision to return to.
         revision: u64,
-        /// Also if that takes back steps of other users.
+        /// Also if that reverts steps of other users.
         #[serde(skip)]
         over_others: bool,
     },
@@ -44,19 +44,19 @@ pub(crate) enum Operation<E = Box<Edit>, M = String> {
 /// An operation that can be applied.
 pub(super) type ReadOperation = Operation<rafcon_model::edit::Edit, Machine>;
 
-/// Who requests an operation, and under which id: the same request is carried out once.
+/// Author and id of a request. A repeated request is performed once.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub(crate) struct EditRequest {
     pub(crate) author: String,
     pub(crate) id: String,
 }
 
-/// An operation as a draft keeps it.
+/// An operation as it is stored in a draft.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct RecordedOperation {
     #[serde(flatten)]
     pub(super) request: EditRequest,
-    /// ms since 1970, UTC.
+    /// Time of the operation: ms since 1970, UTC.
     pub(super) at_ms: u64,
     #[serde(rename = "what")]
     pub(super) operation: Operation,
@@ -68,7 +68,7 @@ impl Operation {
         Self::Edit { name: wish.name, edit: Box::new(wish.edit) }
     }
 
-    /// The same with what it names: the current content of libraries, and documents of the draft in `place`.
+    /// Loads what the operation refers to: the current content of libraries, and documents of the draft in `place`.
     pub(super) fn read(
         &self,
         libraries: &Libraries,
@@ -91,7 +91,7 @@ impl Operation {
     }
 }
 
-/// A machine that is stored beside the draft in `place`.
+/// Loads a machine that is stored beside the draft in `place`.
 pub(super) fn kept_machine(
     place: &Path,
     hash: &str,

@@ -1,5 +1,5 @@
-//! What a step of someone changed, place by place, and whether someone else built on it. Pure: knows the model's edits only
-//! by the smallest changes that take them back.
+//! Places that a step changed, and conflicts with later steps of others. Pure: knows only the inverse steps of the model's
+//! edits.
 
 use rafcon_model::edit::{Edit, Field, Set, Step};
 use rafcon_model::{DataFlowId, OutcomeId, PortId, PortKind, StateId, StatePath, TransitionId};
@@ -12,7 +12,7 @@ pub(super) struct MachinePlace {
     part: StatePart,
 }
 
-/// Which part of the state at the path.
+/// A part of the state at the path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum StatePart {
     /// The state with everything inside it.
@@ -36,7 +36,7 @@ enum StatePart {
 }
 
 impl MachinePlace {
-    /// Everything there is.
+    /// Every place of a machine.
     pub(super) fn everything(root: &StateId) -> [Self; 2] {
         let path = StatePath::root(root.clone());
         [
@@ -68,13 +68,13 @@ impl MachinePlace {
         })
     }
 
-    /// Whether both are the layout of one state.
+    /// Both places are the layout of one state.
     pub(super) fn is_layout(&self, other: &Self) -> bool {
         self.part == StatePart::Layout && self == other
     }
 
-    /// Whether taking this place back would undo what a later step did at `later`. What moved along with a state that got
-    /// another id moves back with it.
+    /// Reverting this place would undo the change of a later step at `later`. Children of a state whose id changed move back
+    /// with it.
     pub(super) fn is_built_upon(&self, later: &Self) -> bool {
         if self.part == StatePart::Header || later.part == StatePart::Header {
             return self.part == later.part;
@@ -93,7 +93,7 @@ impl MachinePlace {
 }
 
 impl StatePart {
-    /// Whether it is removed when a state becomes one of another kind.
+    /// A change of the state's kind removes this part.
     fn is_inside(self) -> bool {
         match self {
             Self::Whole
@@ -139,7 +139,7 @@ impl fmt::Display for MachinePlace {
     }
 }
 
-/// The places that an edit changed, by what takes it back.
+/// The places that an edit changed, according to its inverse.
 pub(super) fn places(back: &Edit) -> Vec<MachinePlace> {
     let Edit::Restore(restore) = back else { return Vec::new() };
     let mut places: Vec<MachinePlace> = restore.steps.iter().map(MachinePlace::of).collect();
@@ -178,7 +178,7 @@ mod tests {
         state(path, StateEdit::SetName("New".into()))
     }
 
-    /// What the first edit changes, and what of that the second builds upon.
+    /// Prints the places that the first edit changes, each with the places of the second that build upon it.
     fn check(first: Edit, second: Edit, expect: &Expect) {
         let mut machine = notation::parse(MACHINE).expect("a machine");
         let mut changed =

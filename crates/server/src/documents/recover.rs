@@ -1,5 +1,5 @@
-//! From what lies on disk and what a server that died had taken to the machine as people left it. Knows drafts and how an
-//! operation is done, but not who asks.
+//! Recovers a machine from its files and the draft of a server that crashed. Knows drafts and the replay of operations, but
+//! not the client.
 
 use super::disk::{OnDisk, content};
 use super::draft::{
@@ -17,20 +17,20 @@ use std::path::{Path, PathBuf};
 /// Capacity of the ids of saved operations.
 const ANSWERED_MAX: usize = 10_000;
 
-/// A machine as users left it.
+/// A recovered machine with its draft.
 #[derive(Debug)]
 pub(super) struct Recovered {
     pub(super) machine: OpenMachine,
     pub(super) draft: Draft,
-    /// The revision that lies on disk.
+    /// The revision that is on disk.
     pub(super) saved_revision: u64,
-    /// Whether edits were found that are not saved.
+    /// The draft has unsaved edits.
     pub(super) has_edits: bool,
-    /// The content of the files as they were read or written last.
+    /// Hash of the files when they were last read or written.
     pub(super) hash: String,
 }
 
-/// The machine of a folder with what its draft holds. `revision` is where one without a draft begins. What no longer fits is
+/// The machine of a folder with the edits of its draft. Without a draft, it begins at `revision`. Edits that no longer fit are
 /// set aside, but only for a user who may edit.
 pub(super) fn recover(
     location: &FileLocation,
@@ -75,7 +75,7 @@ pub(super) fn recover(
 }
 
 impl Recovered {
-    /// Notes a machine as saved if the files hold it. The server died before it noted what it had read.
+    /// Records the machine as saved if its files already contain it: the last server crashed before it recorded the load.
     fn adopt(&mut self, on_disk: &OnDisk) -> Result<(), Failure> {
         if self.hash == on_disk.hash || *self.machine.machine() != on_disk.machine {
             return Ok(());
@@ -86,7 +86,7 @@ impl Recovered {
     }
 }
 
-/// A save that the last server did not live to note, if the files hold what it was about to write.
+/// A save that the last server completed but did not record. The files have the announced hash.
 fn interrupted_save(found: &FoundDraft, on_disk: &str) -> Option<DraftLine> {
     let since = found.lines.iter().rev();
     let mut since = since.take_while(|line| !matches!(line, DraftLine::Saved { .. }));
@@ -98,7 +98,7 @@ fn interrupted_save(found: &FoundDraft, on_disk: &str) -> Option<DraftLine> {
     })
 }
 
-/// Compares the machine with the one that was saved last. Edits may have been taken back.
+/// The machine differs from the last saved one. Edits may also have been undone.
 fn has_edits(machine: &OpenMachine, on_disk: &OnDisk, expected: &str) -> Result<bool, Failure> {
     if *machine.machine() == on_disk.machine {
         return Ok(false);
@@ -106,7 +106,7 @@ fn has_edits(machine: &OpenMachine, on_disk: &OnDisk, expected: &str) -> Result<
     Ok(on_disk.hash == expected || content(machine.machine())?.0 != expected)
 }
 
-/// Continues the draft; what it begins with is kept from now on also if only the files held it.
+/// Continues the draft and stores its base document if only the files contain it.
 fn go_on(place: PathBuf, found: &FoundDraft, on_disk: &OnDisk) -> Result<Draft, Failure> {
     let document = (found.head.base == on_disk.hash).then_some(&*on_disk.document);
     Draft::go_on(place, found, document).map_err(|error| unreadable(&error))
@@ -122,7 +122,7 @@ fn fresh(folder: &Path, place: PathBuf, on_disk: &OnDisk, revision: u64) -> Reco
     }
 }
 
-/// Everything is saved; the ids of operations stay known, so that none is done again.
+/// Keeps the ids of operations of a draft that is completely saved, so that no request is performed twice.
 fn known(
     folder: &Path,
     place: PathBuf,
@@ -139,7 +139,7 @@ fn known(
     Ok(recovered)
 }
 
-/// What was done, by the draft.
+/// The draft's acknowledged operations with their revisions.
 fn answered(found: &FoundDraft) -> Vec<RecordedAnswer> {
     let done = found.lines.iter().filter_map(|line| match line {
         DraftLine::Done(operation) => Some(operation),
@@ -160,13 +160,13 @@ fn know(machine: &mut OpenMachine, answered: &[RecordedAnswer]) {
     }
 }
 
-/// How many operations are not saved.
+/// Number of unsaved operations.
 fn unsaved(found: &FoundDraft) -> u64 {
     let done = found.lines.iter().filter(|line| matches!(line, DraftLine::Done(_))).count() as u64;
     done.saturating_sub(found.saved_steps())
 }
 
-/// The machine that was read when the draft was begun.
+/// The machine with which the draft began.
 fn base(
     found: &FoundDraft,
     place: &Path,
@@ -179,7 +179,7 @@ fn base(
     kept_machine(place, &found.head.base, libraries)
 }
 
-/// The machine that was read, with everything that was done to it.
+/// The base machine with all operations of the draft.
 fn replayed(
     found: &FoundDraft,
     place: &Path,

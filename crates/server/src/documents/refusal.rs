@@ -1,5 +1,5 @@
-//! Why an operation on an open machine is refused. Knows the rules of editing together; the one place here that maps each to
-//! its HTTP answer.
+//! Refusals of operations on an open machine. Knows the rules of concurrent editing, and maps each refusal to its HTTP
+//! response.
 
 use crate::Failure;
 use rafcon_model::edit::EditError;
@@ -7,39 +7,39 @@ use rafcon_model::{Rule, StatePath};
 use rafcon_protocol::api::RevisionKind;
 use std::collections::BTreeMap;
 
-/// Why an operation is refused.
+/// Reason why an operation is refused.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum OperationRefusal {
-    /// The edit breaks a rule, or is about something that does not exist.
+    /// The edit breaks a rule, or names something that does not exist.
     #[error("{0}")]
     Rule(EditError),
-    /// The author has no step left.
+    /// The author has no step to undo or redo.
     #[error("there is no step of yours to be {}", done(*.0))]
     NoStep(RevisionKind),
-    /// Someone else built on the author's step.
+    /// Another user built on the author's step.
     #[error(
         "`{step}` cannot be {}: {by} has changed {place} since (`{later}`); ask for that to be taken back first, or change it by hand",
         done(*.kind)
     )]
     BuiltUpon { kind: RevisionKind, step: String, by: String, later: String, place: String },
-    /// Someone else moved the same.
+    /// Another user moved the element as well.
     #[error(
         "`{step}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
         done(*.kind)
     )]
     MovedMeanwhile { kind: RevisionKind, step: String, path: StatePath },
-    /// What takes the step back breaks a rule now.
+    /// The inverse of the step now breaks a rule.
     #[error("`{step}` cannot be {}, for others have changed the machine since: {error}", done(*.kind))]
     NoLongerFits { kind: RevisionKind, step: String, error: EditError },
-    /// The machine is at the revision already.
+    /// The machine is already at that revision.
     #[error("the machine already is what it was then")]
     AlreadyThere,
-    /// The machine at a revision is no longer kept, or never existed.
+    /// The revision is no longer stored, or never existed.
     #[error(
         "the machine as it was at revision {0} is not kept any more: the steps tell which ones are"
     )]
     NotKept(u64),
-    /// A jump takes back so many steps of other users.
+    /// A jump would revert steps of other users; the count is per author.
     #[error(
         "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
         counted(.0)

@@ -1,9 +1,9 @@
-//! What was done to an open machine: one log of revisions. Each has its author, the way back, the machine that it led to and
-//! the text that clients get; from these follow each user's undo and redo, the tree of steps and what a reader has not seen.
+//! The log of revisions of an open machine. A revision has its author, its inverse, the resulting machine and the text for clients.
+//! The log derives each user's undo and redo, the tree of steps, and the revisions that a reader has not seen.
 //! Pure.
 //!
-//! A node of the tree is a revision at which the machine was new, unlike at any revision before; its parent is the node of
-//! the revision before.
+//! A node of the tree is a revision whose machine differs from those of all earlier revisions. Its parent is the node of the
+//! previous revision.
 
 use super::merge::Layouts;
 use super::places::MachinePlace;
@@ -17,28 +17,28 @@ use rafcon_protocol::document::{Change, changes};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// How many revisions are kept; older ones are dropped.
+/// Capacity of the log. Older revisions are dropped.
 const REVISIONS_MAX: usize = 10_000;
-/// How many earlier machines are kept beside the start. They share what they have in common.
+/// Number of stored machines besides the start. They share common parts.
 const MACHINES_MAX: usize = 1000;
-/// How many bytes of text are kept.
+/// Capacity of the stored texts, in bytes.
 const BYTES_MAX: usize = 16 << 20;
-/// About how many bytes are given at once.
+/// Approximate size of a page, in bytes.
 const PAGE_BYTES: usize = 256 << 10;
 
-/// The revisions of an open machine, the last one last.
+/// The revisions of an open machine, oldest first.
 #[derive(Debug)]
 pub(super) struct RevisionLog {
-    /// The revision as which the machine was read.
+    /// Revision of the machine as it was loaded.
     start: u64,
     revisions: VecDeque<RecordedRevision>,
-    /// By node; the start is one.
+    /// Machines by node, including the start.
     machines: BTreeMap<u64, RecordedMachine>,
     nodes: BTreeMap<Fingerprint, u64>,
-    /// Of the machine as it is now.
+    /// Fingerprint of the current machine.
     mark: Fingerprint,
     authors: BTreeMap<String, OwnSteps>,
-    /// The first revision of which the text is kept, and the bytes of all texts from there on.
+    /// The first revision whose text is stored, and the total bytes of the texts from there on.
     told_from: u64,
     told_bytes: usize,
 }
@@ -48,28 +48,28 @@ struct RecordedRevision {
     step: MachineStep,
     /// A [`Revision`] as JSON.
     text: Option<Arc<str>>,
-    /// `None` once it was taken back.
+    /// `None` once the revision was reverted.
     inverse: Option<Inverse>,
-    /// The revision that this one took back.
+    /// The revision that this one reverted.
     reverses: Option<u64>,
 }
 
-/// How a revision is taken back.
+/// Data to revert a revision.
 #[derive(Debug, Clone)]
 pub(super) struct Inverse {
-    /// What the revision changed.
+    /// The places that the revision changed.
     pub(super) places: Vec<MachinePlace>,
-    /// The layouts that it left behind.
+    /// The layouts as the revision set them.
     pub(super) layouts: Layouts,
     pub(super) change: InverseChange,
 }
 
-/// What takes a revision back.
+/// The change that reverts a revision.
 #[derive(Debug, Clone)]
 pub(super) enum InverseChange {
-    /// An edit.
+    /// An edit that reverts the revision.
     Edit(Edit),
-    /// Another machine: the files were read again, or a jump was made.
+    /// The machine before a reload or a jump.
     Machine(Machine),
 }
 
@@ -79,36 +79,36 @@ struct RecordedMachine {
     mark: Fingerprint,
 }
 
-/// Revisions of one author that can be taken back, the last one last.
+/// Revisions of one author that can be undone or redone, oldest first.
 #[derive(Debug, Default)]
 struct OwnSteps {
-    /// By an undo.
+    /// Candidates for an undo.
     done: Vec<u64>,
-    /// By a redo: undos.
+    /// Candidates for a redo: earlier undos.
     undone: Vec<u64>,
 }
 
 /// The revisions from a cursor on.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum RevisionsPage {
-    /// These as JSON, without a gap; none if the reader has seen everything. More may follow them.
+    /// Consecutive revisions as JSON, empty if the reader has seen all. More may follow.
     Revisions(Vec<Arc<str>>),
-    /// The first of them are no longer kept, or never existed: get the whole machine, which is at this revision now.
+    /// The first ones are no longer stored, or never existed: load the whole machine, which is now at this revision.
     Reset(u64),
 }
 
-/// Distinguishes machines of one past without comparing all of them: the sum of what differs from the start, part by part.
+/// Distinguishes the machines of one log without a full comparison: the sum of hashes of the parts that differ from the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Fingerprint(u128);
 
 impl Fingerprint {
-    /// The sum of `new`, if this is that of `old`, and these changes lead from there to `new`.
+    /// The fingerprint of `new`, if `self` is that of `old` and the changes `forth` lead from `old` to `new`.
     fn after(self, old: &Machine, new: &Machine, forth: &[Change]) -> Self {
         Self(self.0.wrapping_add(weight(forth)).wrapping_sub(weight(&changes(new, old))))
     }
 }
 
-/// The sum over everything that the changes name.
+/// The sum of hashes of all parts in the changes.
 fn weight(changes: &[Change]) -> u128 {
     let is_there = |change: &&Change| match change {
         Change::State { .. } | Change::Header { .. } => true,
@@ -126,7 +126,7 @@ fn weight(changes: &[Change]) -> u128 {
 }
 
 impl RevisionLog {
-    /// The log of a machine that was read as this revision.
+    /// The log of a machine that was loaded at this revision.
     pub(super) fn of(machine: Machine, start: u64) -> Self {
         let mut history = Self {
             start,
@@ -147,7 +147,7 @@ impl RevisionLog {
         self.revisions.back().map_or(self.start, |last| last.step.revision)
     }
 
-    /// The node of a machine to which these changes lead, and the earliest known revision at which it was the same.
+    /// The fingerprint of the machine after these changes, and its node if an earlier revision had an equal machine.
     pub(super) fn place(
         &self,
         old: &Machine,
@@ -163,8 +163,7 @@ impl RevisionLog {
         (self.machines.get(&node)?.machine == *machine).then_some(node)
     }
 
-    /// Adds the next revision, which led to this machine. What its author had taken back can no longer be redone, unless the
-    /// revision is itself such a step.
+    /// Adds the next revision, which made this machine. It clears its author's redo steps, unless it is an undo or a redo.
     pub(super) fn push(
         &mut self,
         revision: &Revision,
@@ -172,7 +171,7 @@ impl RevisionLog {
         machine: &Machine,
         mark: Fingerprint,
     ) {
-        // Everything in it came from JSON or from text, so it is JSON.
+        // All its parts came from JSON or text, so serialization cannot fail.
         let text: Arc<str> = serde_json::to_string(revision).unwrap_or_default().into();
         self.told_bytes += text.len();
         self.mark = mark;
@@ -206,14 +205,14 @@ impl RevisionLog {
         self.authors.values_mut().for_each(|own| own.forget(oldest));
     }
 
-    /// Texts are dropped one by one, the oldest first.
+    /// Drops the oldest text.
     fn forget_text(&mut self) {
         let oldest = self.index(self.told_from).and_then(|index| self.revisions[index].text.take());
         self.told_bytes -= oldest.map_or(self.told_bytes, |text| text.len());
         self.told_from += 1;
     }
 
-    /// The start is kept for as long as the machine is open.
+    /// Stores a machine. The start is never dropped while the machine is open.
     fn keep(&mut self, node: u64, machine: Machine) {
         self.nodes.insert(self.mark, node);
         self.machines.insert(node, RecordedMachine { machine, mark: self.mark });
@@ -242,7 +241,7 @@ impl RevisionLog {
         self.index(revision).map(|index| &self.revisions[index])
     }
 
-    /// What a reader has not seen whose next revision is `from`.
+    /// Revisions that a reader has not seen yet; `from` is the first.
     pub(super) fn since(&self, from: u64) -> RevisionsPage {
         if from < self.told_from || from > self.last() + 1 {
             return RevisionsPage::Reset(self.last());
@@ -258,7 +257,7 @@ impl RevisionLog {
         RevisionsPage::Revisions(texts.take_while(fits).cloned().collect())
     }
 
-    /// The name of the revision that an author's undo or redo would take back, and how.
+    /// The name and the inverse of the revision that an author's undo or redo would revert.
     pub(super) fn inverse(
         &self,
         author: &str,
@@ -282,7 +281,7 @@ impl RevisionLog {
         let later = later.take_while(|later| later.step.revision > mine.revision);
         let mut others = later.filter(|later| later.step.author != mine.author);
         let built = others.find_map(|other| {
-            // What was done and taken back since then makes no difference.
+            // A later step that was itself reverted does not count.
             let is_new = other.reverses.is_none_or(|reversed| reversed <= mine.revision)
                 || other.step.kind == RevisionKind::Redo;
             let theirs = other.inverse.as_ref().filter(|_| is_new)?;
@@ -297,7 +296,7 @@ impl RevisionLog {
         built.map_or(Ok(()), Err)
     }
 
-    /// All steps that are known.
+    /// All steps in the log.
     pub(super) fn steps(&self) -> MachineSteps {
         let told = |told: &RecordedRevision| {
             let is_kept = self.machines.contains_key(&node(&told.step));
@@ -306,18 +305,18 @@ impl RevisionLog {
         MachineSteps { start: self.start, steps: self.revisions.iter().map(told).collect() }
     }
 
-    /// What the step to a revision is called; empty at the start.
+    /// The name of the step to a revision; `None` at the start.
     pub(super) fn name(&self, revision: u64) -> Option<&str> {
         self.revision(revision).map(|told| told.step.name.as_str())
     }
 
-    /// The node of a revision, and the machine at that time; `None` if it is not kept.
+    /// The node of a revision and its machine. `None` if the machine is no longer stored.
     pub(super) fn machine(&self, revision: u64) -> Option<(u64, &Machine)> {
         let node = self.node(revision)?;
         Some((node, &self.machines.get(&node)?.machine))
     }
 
-    /// The node of a revision.
+    /// The node of a revision in the tree.
     pub(super) fn node(&self, revision: u64) -> Option<u64> {
         if revision == self.start {
             return Some(revision);
@@ -325,7 +324,7 @@ impl RevisionLog {
         self.revision(revision).map(|told| node(&told.step))
     }
 
-    /// How many steps of others than `author` are taken back on the way from one revision to another, by author.
+    /// Steps of other authors that a jump between two revisions reverts, counted by author.
     pub(super) fn taken_away(&self, author: &str, from: u64, to: u64) -> BTreeMap<String, usize> {
         let stays: BTreeSet<u64> = self.way(to).map(|step| step.revision).collect();
         let goes = self.way(from).take_while(|step| !stays.contains(&step.revision));
@@ -336,7 +335,7 @@ impl RevisionLog {
         taken
     }
 
-    /// The steps that lead from a revision's node back to the start, as far as they are known.
+    /// The steps from a revision back to the start, while they are in the log.
     fn way(&self, revision: u64) -> impl Iterator<Item = &MachineStep> {
         let step_to = |revision: u64| Some(&self.revision(self.node(revision)?)?.step);
         std::iter::successors(step_to(revision), move |step| step_to(step.revision - 1))
@@ -344,7 +343,7 @@ impl RevisionLog {
 }
 
 impl OwnSteps {
-    /// Adds a revision, and the one that it takes back, if it is an undo or redo.
+    /// Adds a revision. Returns the one that it reverts, if it is an undo or a redo.
     fn push(&mut self, revision: &Revision) -> Option<u64> {
         let (reverses, next) = match revision.kind {
             RevisionKind::Undo => (self.done.pop(), &mut self.undone),
@@ -370,7 +369,7 @@ impl OwnSteps {
 }
 
 impl Inverse {
-    /// The place of this revision that a later one builds upon. Layouts are distinguished more finely where they are merged.
+    /// The place of this revision that a later one builds upon. Layouts are excluded: merging them finds conflicts by element.
     fn place_under(&self, later: &Self) -> Option<&MachinePlace> {
         let is_upon = |place: &&MachinePlace| {
             later.places.iter().any(|later| place.is_built_upon(later) && !place.is_layout(later))
@@ -379,7 +378,7 @@ impl Inverse {
     }
 }
 
-/// A revision without what it changed.
+/// A revision without its changes.
 fn alone(revision: &Revision) -> MachineStep {
     let Revision { revision, id, author, name, at_ms, kind, same_as, changes: _ } = revision;
     MachineStep {
@@ -401,17 +400,17 @@ fn node(step: &MachineStep) -> u64 {
 #[cfg(test)]
 mod tests;
 
-/// A cached result for the revision that was requested last.
+/// Caches a result for the last requested revision.
 #[derive(Debug)]
 pub(super) struct RevisionCache<T>(Mutex<Option<(u64, T)>>);
 
 impl<T: Clone> RevisionCache<T> {
-    /// The initial value, if there is one.
+    /// A cache with an optional initial value.
     pub(super) fn new(kept: Option<(u64, T)>) -> Self {
         Self(Mutex::new(kept))
     }
 
-    /// The result for a revision. A caller that comes while it is computed waits for it.
+    /// The result for a revision. Concurrent callers wait for one computation.
     pub(super) fn of(
         &self,
         revision: u64,

@@ -1,5 +1,4 @@
-//! Requests about open machines. Knows requests and answers; the work is done elsewhere, off the threads that serve
-//! connections.
+//! Routes for open machines. Knows requests and responses. The work runs on other threads than those of the connections.
 
 use super::operation::{EditRequest, Operation};
 use super::revision_log::RevisionsPage;
@@ -45,7 +44,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(close))
 }
 
-/// The open machines.
+/// Lists all open machines.
 #[utoipa::path(get, path = "/api/v1/machines", tag = "machines", responses(
     (status = 200, description = "Each in one line", body = [MachineSummary])
 ))]
@@ -72,7 +71,7 @@ async fn make(
     at.documents.saves.work(move || server.documents.make(&server, &new).map(Json)).await
 }
 
-/// Opens the machine in a folder; one that is open already stays as it is.
+/// Opens the machine in a folder. A machine that is already open is not loaded again.
 #[utoipa::path(post, path = "/api/v1/machines/open", tag = "machines", request_body = MachineAt, responses(
     (status = 200, description = "It is open", body = MachineSummary),
     (status = 400, description = "The path is none", body = Refusal),
@@ -107,7 +106,7 @@ async fn machine(
     Ok(Json(status))
 }
 
-/// The whole of an open machine.
+/// The complete document of an open machine.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/document", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -124,7 +123,7 @@ async fn document(
     Ok(json(server.documents.looks.work(move || session.document()).await?))
 }
 
-/// What was done to an open machine, from a revision on; a page at a time.
+/// Lists the revisions of an open machine from one on, a page at a time.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/revisions", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id"), RevisionsFrom),
     responses(
@@ -147,7 +146,7 @@ async fn revisions(
     Ok(json(text.into()))
 }
 
-/// What is wrong with an open machine.
+/// Lists the problems of an open machine.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/problems", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -165,7 +164,7 @@ async fn machine_problems(
     at.documents.looks.work(move || session.problems(&server).map(Json)).await
 }
 
-/// Copies states of an open machine, as an edit `paste` takes them.
+/// Copies states of an open machine, for the edit `paste`.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/copy", tag = "machines", request_body = CopyStates,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -247,7 +246,7 @@ async fn redo(
     change(server, who, machine, redo.id, Operation::Redo).await
 }
 
-/// What was done to an open machine since it was read, without what it changed: a tree.
+/// The tree of steps of an open machine since it was loaded, without their changes.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/steps", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -264,7 +263,7 @@ async fn steps(
     server.documents.looks.work(move || Ok(Json(session.steps()))).await
 }
 
-/// Makes an open machine what it was at another revision: a new step, which its author can take back.
+/// Returns an open machine to an earlier revision. This is a new step, which its author can undo.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/jump", tag = "machines", request_body = JumpMachine,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -307,7 +306,7 @@ async fn save(
     at.documents.saves.work(move || server.documents.save(&server, &machine, &wish).map(done)).await
 }
 
-/// Saves a state of an open machine as a machine of its own: a library, if it lies below a library root.
+/// Saves a state of an open machine as a separate machine: a library, if it is below a library root.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/save_state", tag = "machines", request_body = SaveState,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -331,7 +330,7 @@ async fn save_state(
     at.documents.saves.work(save).await
 }
 
-/// Reads the files of an open machine again.
+/// Reloads the files of an open machine.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/reload", tag = "machines", request_body = ReloadMachine,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -377,7 +376,7 @@ async fn close(
     at.documents.saves.work(move || server.documents.close(&server, &machine, &wish)).await
 }
 
-/// Changes an open machine.
+/// Performs an operation on an open machine.
 async fn change(
     server: Arc<ServerState>,
     who: Who,

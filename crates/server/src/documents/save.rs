@@ -1,4 +1,4 @@
-//! Where open machines, and states of them, are written: never over what someone has open, nor into another machine.
+//! Saves machines and states. Never overwrites an open machine, and never writes into another machine.
 
 use super::disk;
 use super::documents::Documents;
@@ -13,7 +13,7 @@ use std::fs;
 use std::sync::Arc;
 
 impl Documents {
-    /// Saves an open machine; gives the revision that lies on disk now.
+    /// Saves an open machine and returns the saved revision.
     pub(crate) fn save(
         &self,
         server: &ServerState,
@@ -41,7 +41,7 @@ impl Documents {
         Ok(revision)
     }
 
-    /// Saves a state of an open machine as a machine of its own.
+    /// Saves a state of an open machine as a separate machine.
     pub(crate) fn save_state(
         &self,
         server: &ServerState,
@@ -66,7 +66,7 @@ impl Documents {
         Ok(SavedState { file: location.file, library })
     }
 
-    /// Refuses a folder for a machine if something there would be lost, or would lose something.
+    /// Refuses a target folder if the save could destroy data, or would be lost itself.
     fn must_be_free(
         &self,
         server: &ServerState,
@@ -102,7 +102,7 @@ impl Documents {
     }
 }
 
-/// Refuses a folder inside another machine, which would take it for one of its states.
+/// Refuses a folder inside another machine, which would load it as one of its states.
 pub(super) fn unless_in_a_machine(
     server: &ServerState,
     location: &FileLocation,
@@ -119,7 +119,7 @@ pub(super) fn unless_in_a_machine(
     Err(Failure::conflict("inside_a_machine", message))
 }
 
-/// A machine of this state alone.
+/// A machine with this state as its root.
 fn of_state(state: &Arc<State>) -> Result<Machine, Failure> {
     let refused = |message: String| Err(Failure::unprocessable("no_machine", message));
     match &state.kind {
@@ -189,7 +189,7 @@ mod tests {
         assert!(core.contains("Mission"), "{core}");
     }
 
-    /// The broken file means nothing to the machine, so that its content is the same, and a save leaves the file as it is.
+    /// The machine ignores the broken file, so its content does not change, and a save leaves the file untouched.
     #[test]
     fn a_fault_that_another_program_brought_in_is_known_after_a_save() {
         let place = tempfile::tempdir().unwrap();
@@ -205,7 +205,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
-        /// A save notes what it wrote without reading it: what it notes is what the next check finds.
+        /// A save records its content without reading it back: the record must match the next check.
         #[test]
         fn what_a_save_wrote_is_what_lies_there(numbers in vec(any::<u16>(), 0..120)) {
             let place = tempfile::tempdir().unwrap();

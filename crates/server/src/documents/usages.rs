@@ -1,4 +1,4 @@
-//! Where a library is used: in open machines as they are now, and in the files of all others. Knows which machines are open.
+//! Usages of a library: in open machines, and in the files of all others. Knows the open machines.
 
 use super::documents::Documents;
 use crate::ServerState;
@@ -12,7 +12,7 @@ use std::path::Path;
 const USAGES_MAX: usize = 1000;
 
 impl Documents {
-    /// Where a library is used.
+    /// Finds all usages of a library, up to the capacity.
     pub(crate) fn usages(&self, server: &ServerState, of: &UsagesOf) -> LibraryUsages {
         let libraries = server.projects.libraries();
         let name = |folder: &Path| {
@@ -55,7 +55,7 @@ fn usage(
     LibraryUsage { machine, file, library, path: ids.join("/"), names }
 }
 
-/// Ids and names of the states that run a library, each from the root on.
+/// Paths of the states that use a library: ids and names from the root on.
 fn used(machine: &Machine, of: &UsagesOf) -> Vec<Vec<(String, String)>> {
     let mut found = Vec::new();
     let mut open = vec![(StatePath::root(machine.root.id.clone()), &*machine.root)];
@@ -74,7 +74,7 @@ fn is_use(state: &State, of: &UsagesOf) -> bool {
     matches!(&state.kind, Kind::Library(library) if library.path == of.path && library.name == of.name)
 }
 
-/// Ids and names on the way to a state.
+/// Ids and names of the states from the root to this one.
 fn named(machine: &Machine, path: &StatePath) -> Vec<(String, String)> {
     let way = (1..=path.0.len()).map(|length| StatePath(path.0[..length].to_vec()));
     let named = |path: StatePath| {

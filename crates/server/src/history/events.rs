@@ -1,4 +1,4 @@
-//! `GET …/events`: what happened, page by page, filtered. Knows cursors and filters.
+//! `GET …/events`: the events of a run, filtered and paged. Knows cursors and filters.
 
 use super::{Json, read};
 use crate::extract::{Path, Query};
@@ -18,9 +18,9 @@ use utoipa_axum::routes;
 pub(super) const COUNT_MAX: u32 = 1000;
 /// The maximum number of events that are examined for a page.
 pub(super) const LOOK: u64 = 200_000;
-/// The same where every event is read as text.
+/// The limit with a text filter, which examines each event as text.
 const LOOK_FOR_TEXT: u64 = 20_000;
-/// A page with values ends after about so many bytes of them.
+/// Approximate limit on the values of a page, in bytes.
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
@@ -28,9 +28,9 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(events)).routes(routes!(event))
 }
 
-/// What happened in a run.
+/// Lists the events of a run.
 ///
-/// A page may hold fewer events than were asked for, even none, and still not be the last: continue from `next` until it is more than
+/// A page may hold fewer events than requested, even none, without being the last: continue from `next` until it exceeds
 /// `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/events", tag = "history",
     params(("run" = String, Path, description = "The run's id"), EventQuery),
@@ -51,7 +51,7 @@ async fn events(
     read(&server, &run, move |reader| Json::of(&page(reader, &query, &filter, count)?)).await
 }
 
-/// One event of a run, with all that is kept of its values.
+/// One event of a run with its stored values.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/events/{sequence}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -73,7 +73,7 @@ async fn event(
     read(&server, &run, move |reader| Json::of(&detail(reader, robots.as_deref(), sequence)?)).await
 }
 
-/// How many are requested.
+/// The requested number of events, checked against the limit.
 pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
     let count = wanted.unwrap_or(COUNT_MAX);
     if (1..=COUNT_MAX).contains(&count) {
@@ -92,7 +92,7 @@ fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
     }
 }
 
-/// Where the next page begins, and the last event so far.
+/// The cursor of the next page, and the number of the last event so far.
 pub(super) fn cursor(reader: &Reader, looked: Looked) -> Result<(u64, u64), Failure> {
     let last = reader.last_sequence()?;
     let next = if looked.is_past { looked.next.max(last + 1) } else { looked.next };
@@ -146,7 +146,7 @@ pub(super) fn kinds(text: &str) -> Result<Vec<String>, Failure> {
     kinds.map(known).collect()
 }
 
-/// A time in ns, as events count it.
+/// A time in ns, the unit of events.
 pub(super) fn nanos(ms: u64) -> u64 {
     ms.saturating_mul(1_000_000)
 }

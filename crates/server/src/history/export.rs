@@ -1,6 +1,6 @@
-//! `GET …/export`: a run in formats of other programs, as a file. Never in memory as a whole.
+//! `GET …/export`: a run as a file for other programs. Never holds the whole run in memory.
 //!
-//! Knows names of formats and files. Storage knows how a format is written.
+//! Knows formats and file names. Storage writes the formats.
 
 use super::events::kinds;
 use super::sending::{Sending, sending};
@@ -22,12 +22,12 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// How many exports run at a time.
+/// Maximum number of parallel exports.
 const AT_ONCE: usize = 4;
-/// How much of a file is sent at once.
+/// Size of a sent part, in bytes.
 const PART_BYTES: usize = 64 << 10;
 
-/// Runs that are being written.
+/// Slots of running exports.
 #[derive(Debug, Clone)]
 pub(super) struct Exports(Arc<Semaphore>);
 
@@ -53,7 +53,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(export))
 }
 
-/// A run in a format of other programs.
+/// Exports a run in a format of other programs.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/export", tag = "history",
     params(("run" = String, Path, description = "The run's id"), ExportQuery),
     responses(
@@ -114,13 +114,13 @@ fn file(run: &str, format: ExportFormat, body: Body) -> Response {
     ([(CONTENT_TYPE, kind), (CONTENT_DISPOSITION, &disposition)], body).into_response()
 }
 
-/// One export in progress.
+/// An export in progress.
 struct Writing {
     readers: Arc<Readers>,
     folder: PathBuf,
     format: ExportFormat,
     filter: Filter,
-    /// Where a recording lies until it is complete.
+    /// Folder for an unfinished recording.
     scratch: PathBuf,
     tell: fn(&str),
 }
@@ -133,7 +133,7 @@ impl Writing {
                 ExportFormat::Csv => export_csv(reader, &self.filter, &mut sending),
                 ExportFormat::Mcap => recording(reader, &mut sending, &self.scratch),
             }
-            // Damage is named in the file at its place; a client that only counts bytes must notice it as well.
+            // Damage is noted in the file at its position. A client that only counts bytes must notice it as well.
             .and_then(|()| Ok(reader.check()?)))
         });
         let failure = match written {
@@ -154,13 +154,13 @@ fn failure(error: ExportError) -> Failure {
     }
 }
 
-/// Whether there is no one any more who takes what is written.
+/// The client no longer reads the export.
 fn is_gone(error: &ExportError) -> bool {
     let ExportError::Write(error) = error else { return false };
     matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::TimedOut)
 }
 
-/// A recording has its index at its end and its length at its beginning: it is written into an unnamed file first.
+/// A recording has its index at the end and its length at the beginning, so it is first written to an unnamed file.
 fn recording(
     reader: &mut Reader,
     sending: &mut Sending,

@@ -1,5 +1,5 @@
-//! Large values that a robot has and its station does not: what they cost, and how they are fetched. Knows journals; does not know how
-//! the bytes come.
+//! Large values that are on a robot but not at its station: their cost and their transfer. Knows journals; does not know the
+//! link.
 
 use super::moments::value;
 use super::{Json, folder, read};
@@ -18,7 +18,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(fetch, cancel))
 }
 
-/// How a value of so many bytes in a file of its own is kept by a run.
+/// Availability of a value that is stored in a separate file of a run.
 pub(super) fn kept_in_file(
     reader: &Reader,
     robots: Option<&dyn Robots>,
@@ -38,8 +38,8 @@ pub(super) fn kept_in_file(
 
 /// Fetches a large value from its robot.
 ///
-/// It comes when nothing else needs the link, goes on after blackouts and restarts, and is shown by `GET` of the value. Of more than
-/// `budget` bytes nothing is sent. Sent again while it comes, this sets its budget.
+/// The transfer uses the link only while nothing else needs it, and continues after blackouts and restarts. `GET` of the value
+/// shows its progress. A value that needs more than `budget` bytes is not sent. A repeated request sets a new budget.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/values/{value}/fetch", tag = "history", request_body = FetchValue,
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -81,7 +81,7 @@ async fn fetch(
     .await
 }
 
-/// Gives a large value up that is on its way; what came of it is dropped.
+/// Cancels the transfer of a large value and drops its received part.
 #[utoipa::path(delete, path = "/api/v1/runs/{run}/values/{value}/fetch", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -111,7 +111,7 @@ async fn cancel(
     .await
 }
 
-/// A value of a run, with what is kept of it.
+/// A stored value of a run.
 pub(super) fn kept(
     reader: &Reader,
     robots: Option<&dyn Robots>,

@@ -1,6 +1,6 @@
-//! `GET …/statistics` and `GET …/compare`: figures over a whole run. They are kept, and continued with new events.
+//! `GET …/statistics` and `GET …/compare`: figures over a whole run. They are cached and updated with new events.
 //!
-//! Knows figures. Does not know how they are shown.
+//! Knows figures. Does not know their display.
 
 use super::{History, Json, folder};
 use crate::extract::{Path, Query};
@@ -16,17 +16,17 @@ use tokio::sync::Semaphore;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// For how many runs figures are kept.
+/// Capacity of the cache of figures, in runs.
 const COUNTED: usize = 32;
-/// Comparing takes memory for each event: longer runs are not compared.
+/// Limit on the events of a compared run: a comparison takes memory for each event.
 const COMPARED_MAX: u64 = 1_000_000;
 
-/// The figures that are kept.
+/// Cached figures of runs.
 #[derive(Debug)]
 pub(super) struct Figures {
-    /// The run that was requested last is at the back.
+    /// Least recently requested run first.
     tallies: Mutex<VecDeque<(PathBuf, Arc<Mutex<Tally>>)>>,
-    /// Two runs are compared at a time, no more.
+    /// Allows one comparison at a time.
     comparing: Arc<Semaphore>,
 }
 
@@ -67,7 +67,7 @@ async fn statistics(
     readers.read_slowly(folder, counted).await
 }
 
-/// Where two runs part, which data differed before, and where they took their time.
+/// Compares two runs: the point of divergence, the data that differed before it, and the time they took.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/compare/{other}", tag = "history",
     params(
         ("run" = String, Path, description = "The one run's id"),
@@ -122,12 +122,12 @@ fn counted_to(reader: &mut Reader, until: u64) -> Result<Statistics, Failure> {
 }
 
 impl Figures {
-    /// Forgets a run.
+    /// Drops the figures of a run.
     pub(super) fn forget(&self, folder: &FilePath) {
         self.tallies.lock().retain(|(counted, _)| counted != folder);
     }
 
-    /// The current figures. Events that were counted before are not counted again.
+    /// The current figures. Counts only new events.
     fn counted(&self, reader: &mut Reader) -> Result<Statistics, Failure> {
         let tally = self.tally(reader.folder());
         let mut tally = tally.lock();

@@ -1,7 +1,7 @@
-//! A run's journal from a cursor on, as text that is ready to be sent: for a client that follows a run and is behind what
-//! memory has.
+//! A run's journal from a cursor on, as text that is ready to send: for clients that follow a run and lag behind the events in
+//! memory.
 //!
-//! Knows journals. Does not know who follows, nor when there will be more.
+//! Knows journals. Does not know the clients, nor the arrival of new events.
 
 use super::{History, Readers};
 use crate::Failure;
@@ -11,10 +11,10 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The maximum number of events examined for a page: a run with nothing but values may yield no text.
+/// Limit on the events examined for a page: a run with only value events may yield no text.
 const LOOK: u64 = 20_000;
 
-/// Reads the journal of one run, page by page. Cheap: the journal is open only while it is read, or shared.
+/// Reads the journal of one run in pages. Cheap to keep: the journal is open only during reads, or shared.
 #[derive(Debug, Clone)]
 pub(crate) struct HistoryReader {
     readers: Arc<Readers>,
@@ -22,23 +22,23 @@ pub(crate) struct HistoryReader {
     values: bool,
 }
 
-/// Consecutive events.
+/// A page of consecutive events.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct HistoryPage {
-    /// Each a [`HistoryEntry`] as JSON.
+    /// Each entry is a [`HistoryEntry`] as JSON.
     pub(crate) entries: Vec<String>,
-    /// Where the next page begins. Without values some numbers are left out, and the oldest may be gone.
+    /// Cursor of the next page. Without values, numbers may be skipped; the oldest events may have been dropped.
     pub(crate) next: u64,
 }
 
 impl HistoryReader {
-    /// For the run in `folder`; without `values`, events that are about values only are left out.
+    /// A reader for the run in `folder`. Without `values`, it skips events that only concern values.
     pub(crate) fn new(history: &History, folder: &Path, values: bool) -> Self {
         Self { readers: Arc::clone(&history.readers), folder: folder.to_owned(), values }
     }
 
-    /// The events from number `from` on: at most `count`, ending once they have `bytes` together. If there are no more now,
-    /// `next` is `from`.
+    /// The events from number `from` on: at most `count`, and no more once they exceed `bytes`. `next` equals `from` if there are
+    /// no new events.
     pub(crate) async fn page(
         &self,
         from: u64,

@@ -1,4 +1,4 @@
-//! `GET …/log`: what a run has written, page by page. Knows lines.
+//! `GET …/log`: the log lines of a run in pages. Knows lines.
 
 use super::events::{LOOK, count, cursor};
 use super::{Json, read};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// A page ends after so many bytes of text.
+/// Limit on the text of a page, in bytes.
 const BYTES_MAX: usize = 4 << 20;
 
 /// The routes of this file.
@@ -21,9 +21,9 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(log))
 }
 
-/// What a run has logged.
+/// Lists the log lines of a run.
 ///
-/// A page may hold fewer lines than were asked for, even none, and still not be the last: continue from `next` until it is more than
+/// A page may hold fewer lines than requested, even none, without being the last: continue from `next` until it exceeds
 /// `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/log", tag = "history",
     params(("run" = String, Path, description = "The run's id"), LogQuery),
@@ -55,7 +55,7 @@ fn page(reader: &mut Reader, query: &LogQuery, count: usize) -> Result<LogPage, 
     let search = Search { filter: &filter, from: query.from, look: LOOK, values: true };
     let (mut lines, mut bytes) = (Vec::new(), 0);
     let looked = reader.search(&search, |found| -> Result<_, Failure> {
-        // No one knows whether what cannot be read was wanted.
+        // Unreadable lines are always included, because they might match.
         let is_damage = matches!(found.event, Event::Damaged { .. });
         let is_wanted = |line: &LogLine| is_damage || has(line, wanted.as_deref());
         if let Some(line) = line(found).filter(is_wanted) {
@@ -84,7 +84,7 @@ fn line(found: Found) -> Option<LogLine> {
     Some(LogLine { sequence, t_ns, path, names, level, stream, message })
 }
 
-/// Whether a line contains a text, given in lower case.
+/// The line contains a text, which is in lower case.
 fn has(line: &LogLine, wanted: Option<&str>) -> bool {
     wanted.is_none_or(|wanted| line.message.to_lowercase().contains(wanted))
 }

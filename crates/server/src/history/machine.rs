@@ -1,6 +1,6 @@
-//! `GET …/machine`: a machine as a run has kept it. Read once, then cached in memory.
+//! `GET …/machine`: a machine as stored in a run. Loaded once, then cached in memory.
 //!
-//! Knows machines by their hash. Does not know what they mean.
+//! Knows machines by their hash. Does not know their meaning.
 
 use super::events::LOOK;
 use super::{History, Json, folder};
@@ -25,23 +25,23 @@ use tokio::time::{Instant, sleep};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// How many machines stay in memory.
+/// Capacity of the cache, in machines.
 const COUNT_MAX: usize = 64;
-/// How many bytes of them; the last one stays whatever its size.
+/// Capacity of the cache, in bytes. The last machine stays even if it is larger.
 const BYTES_MAX: usize = 64 << 20;
-/// How long to wait for the machine of a run that has just begun, and how often to check.
+/// Timeout and interval of the wait for the machine of a run that has just begun.
 const MACHINE_TIMEOUT: Duration = Duration::from_secs(10);
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
 
-/// A run has not kept a machine.
+/// The run has not stored a machine.
 const NO_MACHINE: &str = "no_such_machine";
 
 /// Machines of runs as JSON.
 #[derive(Debug, Default)]
 pub(super) struct Machines {
-    /// Held while one is read: a second request for the same one then finds it.
+    /// Held during a load, so that a concurrent request for the machine finds the result.
     reading: Mutex<()>,
-    /// The one that was requested last is at the back.
+    /// Least recently requested machine first.
     kept: Mutex<VecDeque<CachedDocument>>,
 }
 
@@ -51,7 +51,7 @@ struct CachedDocument {
     document: Bytes,
 }
 
-/// Which machine of which run, or which library of it.
+/// Identifies a machine of a run, or a library in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Which {
     folder: PathBuf,
@@ -64,7 +64,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(machine))
 }
 
-/// A machine that a run used, or a library of it, as the run has kept them.
+/// A machine or a library of it, as a run stored it.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/machine", tag = "history",
     params(("run" = String, Path, description = "The run's id"), KeptMachineQuery),
     responses(
@@ -90,7 +90,7 @@ async fn machine(
     let which = Which { folder, hash, library: query.library };
     let patience = Instant::now() + MACHINE_TIMEOUT;
     loop {
-        // Read first: once all is here, the replica is no longer live.
+        // Checked before the load: once the replica is complete, it is no longer live.
         let is_coming = run.is_replica() && run.is_live();
         match kept(&server, which.clone()).await {
             Err(failure) if is_coming && failure.refusal().code == NO_MACHINE => {
@@ -113,12 +113,12 @@ async fn kept(server: &ServerState, which: Which) -> Result<Json, Failure> {
         .await
 }
 
-/// The machine that a run began with. A request for that of a run that has just begun waits until it is known.
+/// The hash of a run's first machine. Waits if the run has just begun.
 async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Result<Hash, Failure> {
     let run = server.runs.get(run).await?;
     let patience = Instant::now() + MACHINE_TIMEOUT;
     loop {
-        // Read first: a run that is over reports nothing more.
+        // Checked before the read: a run that has ended adds no events.
         let is_kept = run.is_live() && run.summary().keeping != Keeping::Off;
         let may_come = is_kept && Instant::now() < patience;
         let found = server.history.readers.read(folder.to_owned(), first).await?;
@@ -142,7 +142,7 @@ fn parse(text: &str) -> Result<Hash, Failure> {
     })
 }
 
-/// The machine that the run began with. A large one is known a little later.
+/// The hash of a run's first machine. A large machine is stored a little later.
 fn first(reader: &mut Reader) -> Result<Option<Hash>, Failure> {
     let filter = Filter { kinds: vec!["root".to_owned()], ..Filter::default() };
     let search = Search { filter: &filter, from: 1, look: LOOK, values: true };
@@ -157,12 +157,12 @@ fn first(reader: &mut Reader) -> Result<Option<Hash>, Failure> {
 }
 
 impl Machines {
-    /// Drops those of a run.
+    /// Drops the cached machines of a run.
     pub(super) fn forget(&self, folder: &FilePath) {
         self.kept.lock().retain(|kept| kept.which.folder != folder);
     }
 
-    /// A machine as JSON.
+    /// A machine as JSON, cached.
     fn document(&self, which: &Which) -> Result<Bytes, Failure> {
         if let Some(document) = self.known(which) {
             return Ok(document);
@@ -213,7 +213,7 @@ fn read(which: &Which) -> Result<Bytes, Failure> {
     Ok(text.map_err(|error| unreadable(&error))?.into())
 }
 
-/// The folder of a library that a library state names like this.
+/// The folder of a library with this path and name.
 fn library_folder(packed: &Packed, library: &str) -> Result<String, Failure> {
     let folder =
         library.rsplit_once('/').and_then(|(path, name)| packed.library_folder(path, name));

@@ -1,7 +1,6 @@
 //! The history of runs: their events, logs, moments, values, machines and figures, read from their journals.
 //!
-//! Knows journals. Knows nothing of runners: whether a run continues means nothing here but that its journal grows, and that it
-//! cannot be deleted.
+//! Knows journals. Does not know runners: an active run only has a growing journal and cannot be deleted.
 
 mod events;
 mod export;
@@ -34,18 +33,18 @@ use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use window::Outlines;
 
-/// What all requests about history share.
+/// State shared by all requests about history.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History {
-    /// Open journals.
+    /// Open journals, shared by all readers.
     readers: Arc<Readers>,
     /// Machines that runs have kept.
     machines: Arc<Machines>,
-    /// What was counted.
+    /// Cached figures of runs.
     figures: Arc<Figures>,
-    /// Runs in outline.
+    /// Cached outlines of runs.
     outlines: Arc<Outlines>,
-    /// Exports in progress.
+    /// Slots of running exports.
     exports: export::Exports,
 }
 
@@ -64,12 +63,12 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 }
 
 impl History {
-    /// Open journals, for other parts that read some.
+    /// Open journals, for other parts of the server.
     pub(crate) fn readers(&self) -> &Arc<Readers> {
         &self.readers
     }
 
-    /// A run is gone, or about to be deleted: nothing of it stays open or in memory.
+    /// Closes and drops everything about a run that was deleted, or is about to be.
     pub(crate) fn forget(&self, folder: &Path) {
         self.readers.forget(folder);
         self.machines.forget(folder);
@@ -78,11 +77,11 @@ impl History {
     }
 }
 
-/// JSON that is ready to be sent.
+/// JSON that is ready to send.
 struct Json(Bytes);
 
 impl Json {
-    /// The text is made on a thread that may block.
+    /// Serializes the response. Call it on a blocking thread.
     fn of(answer: &impl Serialize) -> Result<Self, Failure> {
         let failed = |error: serde_json::Error| {
             let message = format!("what the journal says cannot be written as JSON: {error}");
@@ -103,7 +102,7 @@ async fn folder(server: &ServerState, run: &str) -> Result<PathBuf, Failure> {
     Ok(server.runs.get(run).await?.folder().to_owned())
 }
 
-/// The content of a run's journal.
+/// Reads a run's journal.
 async fn read(
     server: &ServerState,
     run: &str,

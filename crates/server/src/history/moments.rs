@@ -1,5 +1,5 @@
-//! `GET …/moments` and `GET …/values`: the state of a run at an event, and what it has kept of a value. Knows snapshots;
-//! pickles are for runners.
+//! `GET …/moments` and `GET …/values`: the state of a run at an event, and its stored values. Knows snapshots; does not decode
+//! pickles, which are for runners.
 
 use super::events::{nanos, no_such_event};
 use super::fetch;
@@ -20,7 +20,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(moment)).routes(routes!(moment_at)).routes(routes!(kept))
 }
 
-/// The state of a run after one event; 0: before the first.
+/// The state of a run after an event; 0 is the state before the first.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/moments/{sequence}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -47,7 +47,7 @@ async fn moment(
     .await
 }
 
-/// The state of a run at a time, or at the end of its journal so far.
+/// The state of a run at a time, or at the current end of its journal.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/moments", tag = "history",
     params(("run" = String, Path, description = "The run's id"), MomentQuery),
     responses(
@@ -78,7 +78,7 @@ fn picture(reader: &mut Reader, sequence: u64) -> Result<Json, Failure> {
     Json::of(&reader.picture(&moment)?)
 }
 
-/// What a run has kept of a value.
+/// A stored value of a run.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/values/{value}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -103,7 +103,7 @@ async fn kept(
     .await
 }
 
-/// A value as the wire has it.
+/// A value in the format of the protocol.
 pub(super) fn value(
     reader: &Reader,
     robots: Option<&dyn Robots>,

@@ -1,7 +1,7 @@
-//! Open journals for all readers: opening one takes longer than reading a page of it. The number of open journals is limited,
+//! Open journals, shared by all readers, because opening one takes longer than reading a page. Their number is limited,
 //! however many clients follow however many runs.
 //!
-//! Knows when an open journal does not say any more what lies on disk. Does not know what it is read for.
+//! Detects that an open journal no longer matches the disk. Does not know the purpose of a read.
 
 use crate::Failure;
 use crate::gate::blocking;
@@ -18,23 +18,23 @@ use std::time::{Duration, SystemTime};
 use tokio::sync::Semaphore;
 use tokio::time::{Instant, sleep};
 
-/// How many read at a time; others wait for their turn.
+/// Maximum number of parallel short reads. Others wait.
 const AT_ONCE: usize = 8;
-/// How many long reads run beside the others.
+/// Maximum number of parallel long reads.
 const SLOW_AT_ONCE: usize = 2;
-/// How many journals stay open for the next request.
+/// Number of unused journals that stay open.
 const IDLE: usize = 16;
-/// Timeout of a journal without a reader: each takes files and memory.
+/// Time after which an unused journal is closed, to release its files and memory.
 const IDLE_TIME: Duration = Duration::from_secs(30);
 
-/// Open journals.
+/// Open journals and the limits on reads.
 #[derive(Debug)]
 pub(crate) struct Readers {
     turns: Arc<Semaphore>,
     slow_turns: Arc<Semaphore>,
-    /// The one that was used last is at the back.
+    /// Least recently used journal first.
     idle: Mutex<VecDeque<OpenReader>>,
-    /// True while a task closes journals without a reader.
+    /// True while a task closes unused journals.
     is_closing: AtomicBool,
 }
 
@@ -47,7 +47,7 @@ struct OpenReader {
 }
 
 impl OpenReader {
-    /// Takes time: nobody may wait for a lock meanwhile.
+    /// Blocks for a while: call it without holding a lock.
     fn close(self) {
         let Self { folder, reader, .. } = self;
         drop(reader);
@@ -55,7 +55,7 @@ impl OpenReader {
     }
 }
 
-/// What shows that what was read of a journal is still valid: its writer is the same, or it has the same leftovers.
+/// Detects changes that invalidate an open journal: another writer, another database file, or changed leftovers.
 #[derive(Debug, PartialEq, Eq)]
 struct JournalVersion {
     writer: Option<u32>,
@@ -83,7 +83,7 @@ impl Default for Readers {
 }
 
 impl Readers {
-    /// Does something with the journal in the folder of a run, on a thread that may block.
+    /// Runs work on a run's journal, on a blocking thread.
     pub(crate) async fn read<T: Send + 'static>(
         self: &Arc<Self>,
         folder: PathBuf,
@@ -92,7 +92,7 @@ impl Readers {
         self.in_turn(&self.turns, folder, work).await
     }
 
-    /// The same for work that takes long: readers that follow a run do not wait for it.
+    /// Runs long work on a run's journal. It does not delay short reads.
     pub(crate) async fn read_slowly<T: Send + 'static>(
         self: &Arc<Self>,
         folder: PathBuf,
@@ -107,7 +107,7 @@ impl Readers {
         folder: PathBuf,
         work: impl FnOnce(&mut Reader) -> Result<T, Failure> + Send + 'static,
     ) -> Result<T, Failure> {
-        // Held by the work, not by the request, which may be dropped in the middle.
+        // The work holds the permit, because the request may be dropped before it ends.
         let turn = Arc::clone(turns).acquire_owned().await.ok();
         let readers = Arc::clone(self);
         let done = blocking(move || {
@@ -119,7 +119,7 @@ impl Readers {
         done
     }
 
-    /// Closes journals after their timeout.
+    /// Starts the task that closes unused journals.
     fn close_later(self: &Arc<Self>) {
         if self.is_closing.swap(true, Ordering::AcqRel) {
             return;
@@ -136,7 +136,7 @@ impl Readers {
         });
     }
 
-    /// Closes journals without a reader; true if others stay open.
+    /// Closes journals whose timeout has expired. Returns `true` if others are still open.
     fn close_unused(&self) -> bool {
         let mut idle = self.idle.lock();
         let recent = idle.partition_point(|open| open.used.elapsed() >= IDLE_TIME);
@@ -148,7 +148,7 @@ impl Readers {
         is_left
     }
 
-    /// The same on this thread.
+    /// Runs work on a run's journal on the current thread.
     pub(crate) fn with<T>(
         &self,
         folder: &Path,
@@ -156,7 +156,7 @@ impl Readers {
     ) -> Result<T, Failure> {
         let mut open = self.take(folder)?;
         let done = work(&mut open.reader)?;
-        // A journal that failed is not kept.
+        // A journal that failed is closed.
         self.put(open);
         Ok(done)
     }
@@ -167,7 +167,7 @@ impl Readers {
     }
 
     fn take(&self, folder: &Path) -> Result<OpenReader, JournalError> {
-        // Read before the journal is opened: a change in between is noticed next time.
+        // Taken before the journal is opened, so that the next request notices a change in between.
         let version = JournalVersion::of(folder)?;
         let known = self.take_idle(folder).filter(|open| open.version == version);
         if let Some(open) = known {

@@ -1,4 +1,4 @@
-//! Errors of a journal, as answers to requests. Knows both vocabularies.
+//! Maps errors of a journal to responses. Knows both vocabularies.
 
 use crate::failure::reason;
 use crate::{Failure, Reason};

@@ -1,4 +1,4 @@
-//! `DELETE …` and `POST …/prune`: runs that are given up. One that continues never is. Knows folders of runs.
+//! `DELETE …` and `POST …/prune`: deletes runs, never active ones. Knows folders of runs.
 
 use super::folder;
 use crate::extract::{Body, Path};
@@ -22,7 +22,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(delete)).routes(routes!(prune))
 }
 
-/// Deletes a run that does not continue.
+/// Deletes a run that is not active.
 #[utoipa::path(delete, path = "/api/v1/runs/{run}", tag = "history",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -57,7 +57,7 @@ async fn delete(
 
 /// Deletes old runs.
 ///
-/// What is left out has no limit. The 10 newest stay whatever they take, and so does every run in progress.
+/// An omitted limit means unlimited. The 10 newest runs and all active runs are never deleted.
 #[utoipa::path(post, path = "/api/v1/runs/prune", tag = "history", request_body = Retention,
     responses(
         (status = 200, description = "The runs that are gone", body = [Pruned]),

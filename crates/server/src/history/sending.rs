@@ -1,7 +1,7 @@
-//! Bytes that are written on one thread and sent on another, a few at a time: a slow client slows the writer down, and one
-//! that reads nothing for long is dropped.
+//! Streams bytes from a writer thread to a client through a small queue: a slow client slows the writer down, and a client that
+//! stalls is dropped.
 //!
-//! Knows bodies of answers. Does not know what is written.
+//! Knows bodies of responses. Does not know the content.
 
 use crate::Failure;
 use axum::body::{Body, Bytes};
@@ -12,15 +12,15 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
-/// How many parts may wait to be sent.
+/// Capacity of the queue, in parts.
 const PARTS: usize = 4;
-/// How long a client may take for one.
+/// Time limit for a client to accept a part.
 const CLIENT_TIMEOUT: Duration = Duration::from_mins(1);
 
-/// What is sent next; a failure ends the answer in the middle.
+/// The next part. A failure aborts the response.
 type SentPart = Result<Bytes, Failure>;
 
-/// The writing end.
+/// The writing end of the stream.
 #[derive(Debug)]
 pub(super) struct Sending {
     parts: mpsc::Sender<SentPart>,
@@ -28,22 +28,21 @@ pub(super) struct Sending {
     patience: Duration,
 }
 
-/// What is written, as it comes.
+/// The receiving end of the stream.
 #[derive(Debug)]
 pub(super) struct Written(mpsc::Receiver<SentPart>);
 
-/// Both ends. The writer needs a thread that may block, of the current runtime.
+/// Both ends of a stream. The writer must run on a blocking thread of the current runtime.
 pub(super) fn sending() -> (Sending, Written) {
     let (parts, received) = mpsc::channel(PARTS);
     (Sending { parts, runtime: Handle::current(), patience: CLIENT_TIMEOUT }, Written(received))
 }
 
 impl Written {
-    /// The body of the answer, once its first part is there: an earlier failure is a refusal, a later one cuts the answer
-    /// off.
+    /// The body, once its first part has arrived. A failure before it is a refusal; a later one aborts the response.
     pub(super) async fn body(mut self) -> Result<Body, Failure> {
         let first = self.0.recv().await.transpose()?;
-        // A layer that compresses the answer polls again after its end.
+        // The compression layer polls again after the end.
         let rest = stream::poll_fn(move |context| self.0.poll_recv(context));
         let parts = stream::iter(first.map(Ok)).chain(rest);
         Ok(Body::from_stream(parts.map(|part| part.map_err(|failure| failure.to_string()))))
@@ -51,9 +50,9 @@ impl Written {
 }
 
 impl Sending {
-    /// The answer ends here, unexpectedly.
+    /// Aborts the response.
     pub(super) fn fail(&self, failure: Failure) {
-        // A client that is gone needs no notice.
+        // A client that has disconnected needs no notice.
         self.send(Err(failure)).unwrap_or_default();
     }
 

@@ -1,7 +1,7 @@
-//! `GET …/window`, `…/earlier`, `…/overview` and `…/hits`: a long run by the part that is looked at. Every answer is bounded, however
-//! long the run is; what was read once of a run is kept in outline, and continued with new events.
+//! `GET …/window`, `…/earlier`, `…/overview` and `…/hits`: parts of a long run. Each response is bounded, however long the run
+//! is. An outline of the run is cached and updated with new events.
 //!
-//! Knows outlines. Does not know how they are shown.
+//! Knows outlines. Does not know their display.
 
 use super::events::{COUNT_MAX, cursor, no_such_event};
 use super::{History, Json, folder, read};
@@ -20,16 +20,16 @@ use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// Of so many runs the outline is kept.
+/// Capacity of the cache of outlines, in runs.
 const OUTLINED: usize = 8;
-/// A window takes in so many events at most.
+/// Maximum number of events in a window.
 const WINDOW_MAX: u32 = 20_000;
-/// So many events are looked at for a page of hits.
+/// Maximum number of events examined for a page of hits.
 const LOOK: u64 = 2_000_000;
-/// A picture is so wide at most.
+/// Maximum width of an overview, in pixels.
 const PIXELS_MAX: u32 = 10_000;
 
-/// The outlines that are kept. The run that was requested last is at the back.
+/// Cached outlines, least recently requested run first.
 #[derive(Debug, Default)]
 pub(super) struct Outlines(Mutex<VecDeque<(PathBuf, Arc<Mutex<Outline>>)>>);
 
@@ -42,7 +42,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(hits))
 }
 
-/// A part of a run's events, and what was active before it.
+/// A part of a run's events, and the states that were active before it.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/window", tag = "history",
     params(("run" = String, Path, description = "The run's id"), WindowQuery),
     responses(
@@ -62,7 +62,7 @@ async fn window(
     read(&server, &run, move |reader| Json::of(&seen(reader, query.from.max(1), count)?)).await
 }
 
-/// What states did up to one event, and what was worth a mark up to there; 0: before the first.
+/// Activity of each state up to an event, and the marks up to it; 0 is before the first.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/earlier/{sequence}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
@@ -90,9 +90,9 @@ async fn earlier(
     .await
 }
 
-/// The calls of a part of a run's time, as wide as they are drawn.
+/// The calls in a part of a run's time, at the resolution of a drawing.
 ///
-/// An answer is as long as the picture is wide, however much happened: calls too narrow to be told apart come together.
+/// The response is bounded by the width of the drawing: calls too narrow to distinguish are merged.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/overview", tag = "history",
     params(("run" = String, Path, description = "The run's id"), OverviewQuery),
     responses(
@@ -118,9 +118,9 @@ async fn overview(
     .await
 }
 
-/// Entries of states with a text in their name, ends with it in their outcome, and lines of the log with it.
+/// Finds a text in the names of entered states, in outcomes and in log lines.
 ///
-/// A page may hold fewer hits than were asked for, even none, and still not be the last: continue from `next` until it is more than
+/// A page may hold fewer hits than requested, even none, without being the last: continue from `next` until it exceeds
 /// `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/hits", tag = "history",
     params(("run" = String, Path, description = "The run's id"), HitQuery),
@@ -151,7 +151,7 @@ async fn hits(
     server.history.readers.read_slowly(folder, found).await
 }
 
-/// What was active before event number `from`.
+/// States that were active before event number `from`.
 pub(crate) fn before(reader: &mut Reader, from: u64) -> Result<Before, Failure> {
     let moment = reader.moment(from.saturating_sub(1))?;
     let active = moment.active().into_iter().map(|state| ActiveSince {
@@ -191,7 +191,7 @@ fn bounded(wanted: Option<u32>, most: u32) -> Result<u32, Failure> {
     Err(Failure::bad("bad_count", format!("that is 1 to {most}, and {most} if it is left out")))
 }
 
-/// An answer from the outline of a run, which is gone on with first.
+/// Updates the outline of a run and derives a response from it.
 async fn outlined(
     server: &ServerState,
     run: &str,
@@ -202,11 +202,11 @@ async fn outlined(
 }
 
 impl History {
-    /// Continues the outline of a run in the background: whoever opens a long run asks for it next.
+    /// Updates the outline of a run in the background, because the client that opens a long run requests it next.
     pub(crate) fn begin_outline(&self, folder: PathBuf) {
         let history = self.clone();
         tokio::spawn(async move {
-            // Whoever asks for it is told why there is none.
+            // Errors are reported to the client that requests the outline.
             drop(history.outlined(folder, |_, _| Ok(())).await);
         });
     }
@@ -228,7 +228,7 @@ impl History {
 }
 
 impl Outlines {
-    /// Forgets a run.
+    /// Drops the outline of a run.
     pub(super) fn forget(&self, folder: &FilePath) {
         self.0.lock().retain(|(outlined, _)| outlined != folder);
     }

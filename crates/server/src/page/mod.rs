@@ -1,5 +1,5 @@
-//! The page at `/` and its files: turns the token of the start link into a cookie, and gives the page to everyone, who logs in
-//! there. Knows nothing of machines or runs.
+//! The page at `/` and its files. Exchanges the token of the start link for a cookie, and serves the page to everyone, also before
+//! the login. Does not know machines or runs.
 
 use crate::access::{Credential, OuterAddress, Who, in_link};
 use crate::extract::Path;
@@ -14,16 +14,16 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use utoipa_axum::router::OpenApiRouter;
 
-/// What the page may load, and from where: from here only. Its editor and its docking write styles, its pictures and workers
-/// may be made in the page.
+/// Content policy of the page: it loads only from this server. Editor and docking set inline styles, and the page may create
+/// pictures and workers.
 const POLICY: &str = "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; \
                       font-src 'self' data:; worker-src 'self' blob:; connect-src 'self'; object-src 'none'; \
                       base-uri 'none'; form-action 'self'; frame-ancestors 'none'";
 
-/// The name of a file in `assets` changes with its content.
+/// Files in `assets` never change, because their names include a hash of the content.
 const FOREVER: &str = "public, max-age=31536000, immutable";
 
-/// The routes of this part. They are for browsers and stand in no description.
+/// The routes of this part. They are for browsers and are not in the API description.
 pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new()
         .route("/", get(page))
@@ -49,7 +49,7 @@ async fn page(
     }
 }
 
-/// Lets the owner's browser in, and takes the token out of its address.
+/// Logs the owner's browser in, and removes the token from its address.
 fn enter(
     server: &ServerState,
     who: &Who,
@@ -63,8 +63,8 @@ fn enter(
     Ok((cookie, without_token(address, outer)).into_response())
 }
 
-/// Redirects to the same address without the token, so that browsers do not keep it. The redirect is relative if the base path is not
-/// known: a proxy may have removed one.
+/// Redirects to the address without the token, so that browsers do not store it. The redirect is relative if the base path is
+/// unknown: a proxy may have removed one.
 fn without_token(address: &Uri, outer: &OuterAddress) -> Response {
     let pairs = address.query().unwrap_or_default().split('&');
     let kept = pairs.filter(|pair| !pair.is_empty() && !pair.starts_with("token="));
@@ -82,14 +82,14 @@ fn index(files: &PageFiles, head: &HeaderMap, base: &str) -> Result<Response, Fa
     }
 }
 
-/// The page with addresses below this path, which it otherwise finds by its own address.
+/// The page with absolute addresses below this path. Without it, the page resolves them against its own address.
 fn below(file: PageFile, base: &str) -> Result<PageFile, Failure> {
     let file = file.unpacked().map_err(|error| broken(&error))?;
     let text = String::from_utf8_lossy(&file.bytes).replace("\"./", &format!("\"{base}/"));
     Ok(PageFile { bytes: Cow::Owned(text.into_bytes()), ..file })
 }
 
-/// What a panel's own window begins with.
+/// The start page of a panel in a separate window.
 async fn popout(
     State(server): State<Arc<ServerState>>,
     head: HeaderMap,
@@ -115,15 +115,15 @@ async fn asset(
     Ok(answer)
 }
 
-/// A file whose name stays when it changes: a browser asks each time whether it is still the one that it has.
+/// A file with a stable name: the browser revalidates it at each request.
 fn current(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
     let name = blake3::hash(&file.bytes).to_hex();
-    // Weak, for it is the same one packed and unpacked.
+    // A weak tag, because it is shared by the compressed and the plain form.
     let tag = format!("W/\"{}\"", name.get(..16).unwrap_or_default());
     let is_known = head.get(header::IF_NONE_MATCH).is_some_and(|known| *known == *tag);
     let kept = [(header::ETAG, tag), (header::CACHE_CONTROL, "no-cache".to_owned())];
     if is_known {
-        // The headers of this answer replace those that the browser has kept, the policy too.
+        // The headers of this response replace the cached ones, including the policy.
         let policy = [(header::CONTENT_SECURITY_POLICY, POLICY)];
         return Ok((StatusCode::NOT_MODIFIED, policy, kept).into_response());
     }
@@ -143,7 +143,7 @@ fn document(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
     Ok((fixed, file.bytes).into_response())
 }
 
-/// Whether the client takes files that are packed; all browsers do.
+/// The client accepts gzip, as all browsers do.
 fn takes_gzip(head: &HeaderMap) -> bool {
     let codings =
         head.get_all(header::ACCEPT_ENCODING).iter().filter_map(|line| line.to_str().ok());
@@ -164,7 +164,7 @@ fn no_file() -> Failure {
     Failure::not_found("no_such_file", message)
 }
 
-/// Says how the page comes here.
+/// The response while the page has not been built, with instructions.
 fn not_built(way: &str) -> Response {
     let page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>RAFCON</title></head>\n\

@@ -1,5 +1,5 @@
-//! Plans for machines: what the skills of libraries add up to, and engines that are asked for plans. Knows requests and who waits
-//! for them; what plans are and how engines run knows the supervisor.
+//! Plans for machines: domains from the skills of libraries, and planning by engines. Knows requests and their clients; the
+//! supervisor knows plans and engines.
 
 use crate::extract::Body;
 use crate::gate::Gate;
@@ -19,14 +19,14 @@ use tokio::sync::{Semaphore, mpsc};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// How many engines plan at a time: each may take a processor and gigabytes.
+/// Maximum number of parallel engines: each may use a processor and gigabytes.
 const ENGINES: usize = 2;
-/// How many pools are read at a time.
+/// Maximum number of parallel reads of pools.
 const POOLS: usize = 2;
-/// How many plans may wait for a client that reads slowly; the engine waits with them, and its time runs.
+/// Capacity of a client's queue, in lines. A full queue blocks the engine, and its time limit still runs.
 const LINES: usize = 16;
 
-/// What plans.
+/// Limits on engines and pools.
 #[derive(Debug)]
 pub(crate) struct Plans {
     engines: Arc<Semaphore>,
@@ -44,7 +44,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(make_plan)).routes(routes!(plan_domain))
 }
 
-/// What the skills of a pool add up to: types, predicates, actions, and what is wrong with them.
+/// The domain of a pool's skills: types, predicates, actions and findings.
 #[utoipa::path(post, path = "/api/v1/plans/domain", tag = "plans", request_body = PlanPool, responses(
     (status = 200, description = "The domain; a pool that is not there is one of its findings", body = PlanDomain),
     (status = 400, description = "The body does not fit", body = Refusal),
@@ -59,8 +59,8 @@ async fn plan_domain(
     at.plans.pools.work(move || Ok(Json(domain(&pool, &server.projects.libraries())))).await
 }
 
-/// Asks an engine for plans. Each line of the answer is an event, told when it happens; the last is never `found`. A client that
-/// goes away ends the engine.
+/// Plans with an engine. Each line of the response is an event, sent as it happens; the last one is never `found`. If the client
+/// disconnects, the engine is stopped.
 #[utoipa::path(post, path = "/api/v1/plans", tag = "plans", request_body = MakePlan, responses(
     (status = 200, description = "Lines of JSON: plans that are valid, with their machines, then how planning ended",
         content((PlanEvent = "application/jsonl"))),
@@ -91,7 +91,7 @@ async fn make_plan(
         let tell = |event: &PlanEvent| {
             let Ok(mut line) = serde_json::to_vec(event) else { return };
             line.push(b'\n');
-            // A client that is gone has cancelled already.
+            // A client that has disconnected has already cancelled.
             lines.blocking_send(line.into()).unwrap_or_default();
         };
         let last = planner.plan(&request, &cancel, &mut |event| tell(&event));
@@ -101,12 +101,12 @@ async fn make_plan(
         let line = wanted.lines.recv().await?;
         Some((Ok::<_, Infallible>(line), wanted))
     })
-    // A body may be asked again after its end.
+    // A body may be polled again after its end.
     .fuse();
     Ok(([(CONTENT_TYPE, "application/jsonl")], AnswerBody::from_stream(body)).into_response())
 }
 
-/// The answer as it is sent; when it is dropped, nobody wants it any more.
+/// The response in progress. Dropping it cancels the engine.
 struct Wanted {
     lines: mpsc::Receiver<Bytes>,
     cancel: Cancel,

@@ -1,7 +1,7 @@
-//! From the path in a request to a folder that lies in its project, or a refusal. Knows file systems; reads no file.
+//! Resolves the path of a request to a folder in its project, or refuses it. Knows file systems; reads no file.
 //!
-//! Every link is followed here, once, and what is handed out has none: what is done with it later cannot be led
-//! elsewhere by a link that was there when the request came.
+//! All links are resolved here, once, so the returned path contains none: a link that existed at the request cannot redirect later
+//! operations.
 
 use super::tree::is_machine;
 use crate::Failure;
@@ -11,10 +11,10 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// Longer paths are refused before anything is looked up.
+/// Limit on the length of a path, in bytes, checked before any access to the disk.
 const LONGEST: usize = 4096;
 
-/// The folder `path`, segments joined by `/`, below `project`; empty for `project` itself. It need not exist.
+/// The folder `path`, segments joined by `/`, below `project`. An empty path means the project. The folder need not exist.
 pub(super) fn below(project: &Path, path: &str) -> Result<PathBuf, Failure> {
     let segments = segments(path)?;
     let home = fs::canonicalize(project).map_err(|error| unreachable(path, &error))?;
@@ -28,11 +28,11 @@ pub(super) fn below(project: &Path, path: &str) -> Result<PathBuf, Failure> {
     Ok(missing.iter().fold(there, |folder, name| folder.join(name)))
 }
 
-/// The folder of the machine that `path` names, by its folder or by a file in it.
+/// The folder of the machine that `path` names, either by its folder or by a file in it.
 pub(super) fn machine(project: &Path, path: &str) -> Result<PathBuf, Failure> {
     if let Some((file, folder)) = segments(path)?.split_last() {
         let folder = below(project, &folder.join("/"))?;
-        // A file that is a link still belongs to the machine in whose folder it lies.
+        // A file that is a link still belongs to the machine in its folder.
         if is_machine(&folder) && folder.join(file).is_file() {
             return Ok(folder);
         }
@@ -40,10 +40,10 @@ pub(super) fn machine(project: &Path, path: &str) -> Result<PathBuf, Failure> {
     below(project, path)
 }
 
-/// The names that a path consists of, each of them one that a folder can have.
+/// The segments of a path, each a valid name.
 fn segments(path: &str) -> Result<Vec<&str>, Failure> {
     let names = path.split('/').filter(|name| !matches!(*name, "" | ".")).collect::<Vec<_>>();
-    // Programs keep their own files in hidden folders, such as `.git`.
+    // Programs use hidden folders such as `.git` for themselves.
     let is_name = |name: &&str| !name.starts_with('.') && !name.contains('\0');
     if path.len() <= LONGEST && !path.starts_with('/') && names.iter().all(is_name) {
         return Ok(names);
@@ -56,7 +56,7 @@ fn segments(path: &str) -> Result<Vec<&str>, Failure> {
     Err(Failure::bad("bad_path", message))
 }
 
-/// The deepest folder on the way that exists, links followed, and the names that are missing below it.
+/// The deepest existing folder on the path, with links resolved, and the missing names below it.
 fn deepest<'s>(home: &Path, segments: &'s [&'s str]) -> io::Result<(PathBuf, &'s [&'s str])> {
     let mut folder = home.to_owned();
     for (at, name) in segments.iter().enumerate() {
@@ -75,7 +75,7 @@ fn deepest<'s>(home: &Path, segments: &'s [&'s str]) -> io::Result<(PathBuf, &'s
     Ok((folder, &[]))
 }
 
-/// The folder by the name that its parent lists: some file systems find it by that name in any case.
+/// The folder with the case that its parent lists. Some file systems ignore case.
 fn as_listed(folder: PathBuf, is_same: impl Fn(&Path, &Path) -> bool) -> PathBuf {
     let Some((parent, name)) = folder.parent().zip(folder.file_name().and_then(OsStr::to_str))
     else {

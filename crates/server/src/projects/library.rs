@@ -1,4 +1,4 @@
-//! Libraries as clients see them, each read once until a file changes. Knows roots and where a library lies below them.
+//! Libraries for clients, each loaded once until a file changes. Knows the roots and the libraries below them.
 
 use super::library_documents::LibraryDocuments;
 use super::{confine, workspace};
@@ -14,23 +14,23 @@ use rafcon_storage::{Libraries, LoadError, Root, load, roots};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What was read of the libraries since a file of theirs changed.
+/// Libraries loaded since the last change of their files.
 #[derive(Debug, Default)]
 struct LoadedLibraries {
     libraries: Arc<Libraries>,
     documents: Mutex<LibraryDocuments>,
 }
 
-/// A library as clients get it.
+/// A library as it is sent to clients.
 #[derive(Debug, Clone)]
 pub(super) struct Content {
     /// A [`rafcon_protocol::document::Document`] as JSON.
     pub(super) document: Bytes,
-    /// Another one for another document: an `ETag`.
+    /// An `ETag` that changes with the document.
     pub(super) tag: String,
 }
 
-/// The libraries of the server.
+/// The libraries of the server, reloaded after changes.
 #[derive(Debug, Default)]
 pub(crate) struct LibraryCache {
     /// The folders of projects.
@@ -39,30 +39,30 @@ pub(crate) struct LibraryCache {
 }
 
 impl LibraryCache {
-    /// Those of these settings, for machines in these folders.
+    /// The libraries of these settings, for machines in these folders.
     pub(super) fn open(settings: &Settings, projects: Vec<PathBuf>) -> Self {
         let stock = LoadedLibraries::new(library_roots(settings), &projects);
         Self { projects, stock: RwLock::new(Arc::new(stock)) }
     }
 
-    /// What machines are loaded with now. Whoever keeps it reads no later changes.
+    /// Libraries for loading machines. The returned snapshot does not include later changes.
     pub(crate) fn libraries(&self) -> Arc<Libraries> {
         Arc::clone(&self.stock().libraries)
     }
 
-    /// Where the roots really lie.
+    /// Folders of the roots, with links resolved.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         let libraries = self.libraries();
         libraries.roots().iter().map(|root| super::at_home(&root.dir)).collect()
     }
 
-    /// Files of libraries changed. Whoever is reading keeps what it reads to itself.
+    /// Drops everything loaded, after files of libraries changed. Running reads keep their snapshot.
     pub(crate) fn refresh(&self) {
         let roots = self.stock().libraries.roots().to_vec();
         *self.stock.write() = Arc::new(LoadedLibraries::new(roots, &self.projects));
     }
 
-    /// The roots with what lies below them now.
+    /// The roots with the current content below them.
     pub(super) fn roots(&self) -> Vec<LibraryRoot> {
         self.libraries().tree().into_iter().map(root_of).collect()
     }
@@ -78,8 +78,7 @@ impl LibraryCache {
 }
 
 impl LoadedLibraries {
-    /// Nothing is loaded that does not lie in one of the projects, below one of the roots or in a workspace that is installed
-    /// there.
+    /// Libraries are loaded only from the projects, from below the roots, and from workspaces that are installed in a project.
     fn new(roots: Vec<Root>, projects: &[PathBuf]) -> Self {
         let homes = roots.iter().map(|root| super::at_home(&root.dir));
         let sources = projects.iter().flat_map(|project| workspace::sources(project));
@@ -102,7 +101,7 @@ impl LoadedLibraries {
         Ok(content)
     }
 
-    /// A root's name may itself have several parts; the longest that fits counts.
+    /// A root's name may have several parts. The longest match counts.
     fn folder(&self, path: &str) -> Result<PathBuf, Failure> {
         let inside = |root: &Root| {
             let inside = path.strip_prefix(root.name.as_str())?.strip_prefix('/')?;
@@ -164,7 +163,7 @@ fn shown(folder: &Path) -> String {
     folder.to_string_lossy().into_owned()
 }
 
-/// The roots of these settings; what is wrong with one is told, and the others count.
+/// The roots of these settings. Reports faults in the configuration, and uses the rest.
 fn library_roots(settings: &Settings) -> Vec<Root> {
     let config = match config::find(settings.config.as_deref(), &settings.variable) {
         Ok((config, _file)) => config,

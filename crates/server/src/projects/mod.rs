@@ -1,5 +1,5 @@
-//! Projects: the folders that the server was started with, and the only places below which requests read and write.
-//! Knows their names, and which folder a request means. Does not know what is inside a machine.
+//! Projects: the folders that the server was started with. Requests read and write only below them.
+//! Knows their names and resolves requests to folders. Does not know the content of machines.
 
 mod confine;
 mod library;
@@ -22,7 +22,7 @@ use rafcon_storage::Libraries;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// So many look through everything at a time.
+/// Maximum number of parallel searches through all folders.
 const SEARCHES: usize = 2;
 
 /// The projects, in the order in which they were given.
@@ -47,27 +47,27 @@ impl Projects {
         }
     }
 
-    /// The libraries that machines are loaded with now. Whoever keeps them reads no later changes.
+    /// Libraries for loading machines. The returned snapshot does not include later changes.
     pub(crate) fn libraries(&self) -> Arc<Libraries> {
         self.shelf.libraries()
     }
 
-    /// The libraries as clients see them.
+    /// The libraries for clients.
     pub(crate) fn shelf(&self) -> &LibraryCache {
         &self.shelf
     }
 
-    /// Before folders and libraries are read.
+    /// Limits parallel reads of folders and libraries.
     pub(crate) fn looks(&self) -> &Gate {
         &self.looks
     }
 
-    /// Before everything is looked through: who asks for one folder or library does not wait for that.
+    /// Limits parallel searches through all folders. Other reads do not wait for them.
     pub(crate) fn searches(&self) -> &Gate {
         &self.searches
     }
 
-    /// All of them.
+    /// All projects of the server.
     pub(crate) fn all(&self) -> &[Project] {
         &self.known
     }
@@ -81,19 +81,19 @@ impl Projects {
         })
     }
 
-    /// The folder that a request means, with every link followed: inside its project, whether it exists or not.
+    /// The folder that a request names, with links resolved. It is inside its project, but need not exist.
     pub(crate) fn resolve(&self, file: &MachineFile) -> Result<PathBuf, Failure> {
         let project = self.named(&file.project)?;
         confine::below(Path::new(&project.folder), &file.path)
     }
 
-    /// The folder of the machine that a request means, by its folder or by a file in it.
+    /// The folder of the machine that a request names, either by its folder or by a file in it.
     pub(crate) fn machine(&self, file: &MachineFile) -> Result<PathBuf, Failure> {
         let project = self.named(&file.project)?;
         confine::machine(Path::new(&project.folder), &file.path)
     }
 
-    /// The one name of a folder that a request of this project means.
+    /// The unique name of a folder that a request of this project names.
     pub(crate) fn canonical(&self, file: &MachineFile, folder: &Path) -> MachineFile {
         let home = self.named(&file.project).map(|project| at_home(Path::new(&project.folder)));
         let path =
@@ -104,26 +104,26 @@ impl Projects {
         }
     }
 
-    /// Where machines and libraries lie: the folders of projects, then those of library roots.
+    /// Folders with machines and libraries: those of the projects, then those of the library roots.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         let projects = self.known.iter().map(|project| PathBuf::from(&project.folder));
         projects.chain(self.shelf.folders()).collect()
     }
 
-    /// Folders from which machines are read: [`Self::folders`], sources and builds of installed workspaces.
+    /// Folders from which machines may be read: [`Self::folders`], and the sources and builds of installed workspaces.
     pub(crate) fn readable(&self) -> Vec<PathBuf> {
         let projects = self.known.iter().map(|project| Path::new(&project.folder));
         self.folders().into_iter().chain(projects.flat_map(workspace::sources)).collect()
     }
 
-    /// The project in which a folder lies, with every link followed.
+    /// The project that contains a folder, with links resolved.
     pub(crate) fn home_of(&self, folder: &Path) -> Option<PathBuf> {
         let folder = at_home(folder);
         let homes = self.known.iter().map(|project| at_home(Path::new(&project.folder)));
         homes.filter(|home| folder.starts_with(home)).max_by_key(|home| home.as_os_str().len())
     }
 
-    /// How requests name a folder; nothing if it lies in no project.
+    /// The name of a folder in requests. `None` if no project contains it.
     pub(crate) fn file_of(&self, folder: &Path) -> Option<MachineFile> {
         let folder = at_home(folder);
         let inside = |project: &Project| {
@@ -134,7 +134,7 @@ impl Projects {
     }
 }
 
-/// Where a folder really is, if it is there.
+/// The folder with links resolved, if it exists.
 fn at_home(folder: &Path) -> PathBuf {
     folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
 }

@@ -1,9 +1,9 @@
-//! What projects are called in requests: short names that stay the same from one start to the next. Pure.
+//! Ids of projects: short names that are stable across restarts. Pure.
 
 use rafcon_protocol::api::Project;
 use std::path::PathBuf;
 
-/// The folders as projects, each with an id of its own.
+/// The folders as projects with unique ids.
 pub(super) fn named(folders: impl Iterator<Item = PathBuf>) -> Vec<Project> {
     let mut known: Vec<Project> = Vec::new();
     for folder in folders {
@@ -14,7 +14,7 @@ pub(super) fn named(folders: impl Iterator<Item = PathBuf>) -> Vec<Project> {
     known
 }
 
-/// A name as it can stand in an address without being escaped.
+/// A name that needs no escaping in a URL.
 fn slug(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let text = name.chars().map(|c| if plain(c) { c } else { '-' }).collect::<String>();

@@ -1,5 +1,4 @@
-//! What is asked about projects and libraries. Knows requests and answers; the work is done next door, off the threads that
-//! talk.
+//! Routes for projects and libraries. Knows requests and responses. The work runs on other threads than those of the connections.
 
 use super::library::Content;
 use super::tree::{self, BOUNDS};
@@ -39,7 +38,7 @@ async fn projects(State(server): State<Arc<ServerState>>) -> Json<Vec<Project>> 
 
 /// Folders and machines of a project.
 ///
-/// What is large is cut; a node that says so is asked for by its path.
+/// A large tree is cut. Request a node that is marked as cut by its path.
 #[utoipa::path(get, path = "/api/v1/projects/{project}/tree", tag = "files",
     params(("project" = String, Path, description = "The project's id"), TreeFrom),
     responses(
@@ -83,7 +82,7 @@ async fn libraries(
     at.projects.looks().work(move || Ok(Json(server.projects.shelf().roots()))).await
 }
 
-/// Where a library is used: in open machines, and in the files of all projects and library roots.
+/// Finds the usages of a library: in open machines, and in the files of all projects and library roots.
 #[utoipa::path(get, path = "/api/v1/libraries/usages", tag = "files", params(UsagesOf), responses(
     (status = 200, description = "The states that run it", body = LibraryUsages),
     (status = 400, description = "The query does not fit", body = Refusal),
@@ -97,7 +96,7 @@ async fn library_usages(
     at.projects.searches().work(move || Ok(Json(server.documents.usages(&server, &of)))).await
 }
 
-/// The machine of a library, as it lies on disk.
+/// The machine of a library, as it is on disk.
 #[utoipa::path(get, path = "/api/v1/libraries/{root}/{*path}", tag = "files",
     params(
         ("root" = String, Path, description = "The name of a library root"),
@@ -128,7 +127,7 @@ async fn library(
     Ok((head, document).into_response())
 }
 
-/// Whether one of these tags is this one. Whoever passes an answer on, and packs it anew, calls its tag weak.
+/// The header contains this tag. A proxy that recompresses a response marks its tag as weak.
 fn names(known: &HeaderValue, tag: &str) -> bool {
     let mut tags = known.to_str().unwrap_or_default().split(',').map(str::trim);
     tags.any(|known| known.strip_prefix("W/").unwrap_or(known) == tag)

@@ -1,29 +1,29 @@
-//! What lies in a project: its folders and machines. Knows folders and the name of a machine's header; reads no machine.
+//! The tree of a project: folders and machines. Knows folders and the name of a machine's header; reads no machine.
 //!
-//! A link is not followed: what it leads to is listed where it lies, if it lies in the project. What is large is listed
-//! level by level, so that the folders near the top are told before those in the depth of one of them.
+//! Links are not followed: a target inside the project is listed at its own position. A large tree is listed level by level, so
+//! that folders near the root come before deeply nested ones.
 
 use rafcon_protocol::api::{FileNode, NodeKind};
 use rafcon_storage::files::HEADER;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// How much of a tree is told at once.
+/// Limits on the size of a tree.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TreeLimits {
-    /// Folders and machines.
+    /// Maximum number of folders and machines.
     pub(super) nodes: usize,
-    /// Levels.
+    /// Maximum number of levels.
     pub(super) depth: usize,
 }
 
-/// What is told to one request.
+/// Limits of one response.
 pub(super) const BOUNDS: TreeLimits = TreeLimits { nodes: 10_000, depth: 32 };
 
-/// Folders that are someone else's.
+/// Folders that belong to other programs.
 const FOREIGN: [&str; 3] = ["__pycache__", "node_modules", "target"];
 
-/// A folder on the way to being told.
+/// A folder before it is moved into its parent.
 struct ListedFolder {
     node: FileNode,
     folder: PathBuf,
@@ -31,7 +31,7 @@ struct ListedFolder {
     parent: usize,
 }
 
-/// Whether a name in a project is none of its folders: hidden, or made by another program for itself.
+/// The name is not a folder of the project: it is hidden, or made by another program for itself.
 pub(crate) fn is_foreign(name: &str) -> bool {
     name.starts_with('.') || FOREIGN.contains(&name)
 }
@@ -41,7 +41,7 @@ pub(crate) fn is_machine(folder: &Path) -> bool {
     folder.join(HEADER).is_file()
 }
 
-/// The tree from `folder` on, which is `path` in its project, without the folders in `hidden`.
+/// The tree below `folder`, which is `path` in its project, without the folders in `hidden`.
 pub(super) fn tree(folder: &Path, path: &str, hidden: &[&Path], bounds: TreeLimits) -> FileNode {
     let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let mut found = vec![found(name, path.to_owned(), folder.to_owned(), 0, 0)];
@@ -60,7 +60,7 @@ pub(super) fn tree(folder: &Path, path: &str, hidden: &[&Path], bounds: TreeLimi
     assembled(found)
 }
 
-/// The folders inside one, sorted by name; those that cannot be read are empty.
+/// The folders in a folder, sorted by name. An unreadable folder counts as empty.
 fn children(of: &ListedFolder, parent: usize, hidden: &[&Path]) -> Vec<ListedFolder> {
     if of.node.kind == NodeKind::Machine {
         return Vec::new();
@@ -94,7 +94,7 @@ fn found(name: String, path: String, folder: PathBuf, depth: usize, parent: usiz
     ListedFolder { node, folder, depth, parent }
 }
 
-/// Puts every node into its parent, which stands before it; the first is the root.
+/// Moves every node into its parent, which precedes it. The first node is the root.
 fn assembled(mut found: Vec<ListedFolder>) -> FileNode {
     while found.len() > 1 {
         let Some(ListedFolder { mut node, parent, .. }) = found.pop() else { break };

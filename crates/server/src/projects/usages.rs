@@ -1,5 +1,5 @@
-//! Where a library is used, as the files say. Knows what machines look like on disk; looks at the files of states one by one,
-//! and reads only those that name the library.
+//! Usages of a library according to files. Knows the layout of machines on disk. Searches the files of states one by one, and
+//! parses only those that contain the key of a library.
 
 use super::tree::{is_foreign, is_machine};
 use rafcon_storage::files::Part;
@@ -8,44 +8,44 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// So many folders are looked at.
+/// Maximum number of folders searched.
 const FOLDERS_MAX: usize = 200_000;
-/// So deep below a project.
+/// Maximum depth below a project.
 const DEPTH_MAX: usize = 512;
-/// Larger files are not looked at.
+/// Larger files are skipped.
 const BYTES_MAX: u64 = 16 << 20;
 
 /// A state that runs the library.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Use {
-    /// The machine's folder.
+    /// Folder of the machine.
     pub(crate) machine: PathBuf,
-    /// Ids and names from the root state on.
+    /// Ids and names of the states, from the root on.
     pub(crate) states: Vec<(String, String)>,
 }
 
-/// What is looked for, where, and what was found.
+/// A search for the usages of a library.
 #[derive(Debug)]
 pub(crate) struct Search<'s> {
-    /// The library.
+    /// Path of the library.
     pub(crate) path: &'s str,
     pub(crate) name: &'s str,
-    /// Folders that are not looked at.
+    /// Folders to skip.
     pub(crate) hidden: &'s BTreeSet<PathBuf>,
-    /// So many uses are told.
+    /// Maximum number of usages.
     pub(crate) most: usize,
     pub(crate) found: Vec<Use>,
-    /// So many folders are looked at.
+    /// Maximum number of folders searched.
     folders: usize,
     seen: BTreeSet<PathBuf>,
 }
 
-/// A folder that is looked at.
+/// A folder in the search.
 #[derive(Debug)]
 struct SearchedFolder {
     path: PathBuf,
     depth: usize,
-    /// The machine around it, and the folders of the states around it.
+    /// The enclosing machine, and the files of the enclosing states.
     machine: Option<(PathBuf, Vec<PathBuf>)>,
 }
 
@@ -60,12 +60,12 @@ impl<'s> Search<'s> {
         Self { path, name, hidden, most, found, folders: FOLDERS_MAX, seen }
     }
 
-    /// Whether there may be more than was found.
+    /// The search reached a limit, so it may have missed usages.
     pub(crate) fn is_full(&self) -> bool {
         self.found.len() >= self.most || self.seen.len() >= self.folders
     }
 
-    /// Looks at everything below a folder that was not looked at yet.
+    /// Searches a folder and everything below it, except folders that were already searched.
     pub(crate) fn look(&mut self, folder: &Path) {
         let mut waiting = vec![SearchedFolder { path: folder.to_owned(), depth: 0, machine: None }];
         while let Some(folder) = waiting.pop() {
@@ -84,7 +84,7 @@ impl<'s> Search<'s> {
         }
     }
 
-    /// The folder as what it is: a machine, a state, or one on the way to them.
+    /// Classifies a folder as a machine, a state, or neither.
     fn at(&mut self, folder: SearchedFolder) -> SearchedFolder {
         let SearchedFolder { path, depth, machine } = folder;
         let machine = if is_machine(&path) { Some((path.clone(), Vec::new())) } else { machine };
@@ -99,7 +99,7 @@ impl<'s> Search<'s> {
         SearchedFolder { path, depth, machine }
     }
 
-    /// Looks at the last of these states, which stand in each other.
+    /// Checks the last of these nested states.
     fn state(&mut self, home: &Path, states: &[PathBuf]) {
         if states.last().is_some_and(|core| self.is_used(core)) {
             let states = states.iter().filter_map(|core| about(core)).collect();
@@ -124,7 +124,7 @@ impl SearchedFolder {
     }
 }
 
-/// Folders in one, not behind links.
+/// The folders in a folder, without links.
 fn folders(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let is_shown = |entry: &fs::DirEntry| {
@@ -134,12 +134,12 @@ fn folders(folder: &Path) -> Vec<PathBuf> {
     entries.flatten().filter(is_shown).map(|entry| entry.path()).collect()
 }
 
-/// Whether it is a file that can be looked at.
+/// The file is small enough to read and is not a link.
 fn is_fit(core: &Path) -> bool {
     core.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() <= BYTES_MAX)
 }
 
-/// Id and name of a state.
+/// Id and name of a state, from its file.
 fn about(core: &Path) -> Option<(String, String)> {
     let state: Value = serde_json::from_str(&fs::read_to_string(core).ok()?).ok()?;
     let id = state["state_id"].as_str()?.to_owned();

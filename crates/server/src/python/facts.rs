@@ -1,5 +1,5 @@
-//! What Python's parser says about the scripts of machines, kept by their text: after an edit one script is read, not all.
-//! Knows the interpreter that runs would use; must never run a script.
+//! Facts about the scripts of machines from Python's parser, cached by the text: after an edit, only one script is parsed.
+//! Knows the interpreter of runs; never runs a script.
 
 use super::interpreter;
 use crate::child::{ChildLimits, ask};
@@ -12,21 +12,21 @@ use std::time::Duration;
 use tokio::process::Command;
 use tokio::runtime::Handle;
 
-/// What is said about so many scripts is kept.
+/// Capacity of the cache, in scripts.
 const KEPT_MAX: usize = 100_000;
-/// So many bytes of scripts are read by one process.
+/// Approximate limit on the scripts per process, in bytes.
 const PART_BYTES: usize = 1 << 20;
 const BOUNDS: ChildLimits = ChildLimits { patience: Duration::from_secs(20), output: 64 << 20 };
 
 /// The BLAKE3 of a script's text.
 type Hash = [u8; 32];
 
-/// What was said about scripts, by the hash of their text.
+/// Cached facts by the hash of the script's text.
 #[derive(Debug, Default)]
 pub(super) struct Known(Mutex<BTreeMap<Hash, Arc<Facts>>>);
 
 impl Known {
-    /// What Python says about each text; nothing where it says nothing. To be called on a thread that may wait.
+    /// The facts about each text. `None` if they are unavailable. Call it on a blocking thread.
     pub(super) fn facts(&self, settings: &Settings, texts: &[&str]) -> Vec<Option<Arc<Facts>>> {
         let hashes: Vec<Hash> =
             texts.iter().map(|text| *blake3::hash(text.as_bytes()).as_bytes()).collect();
@@ -59,7 +59,7 @@ impl Known {
     }
 }
 
-/// The texts in parts of a limited size.
+/// Splits the texts into parts of limited size.
 fn parts<'a, 't>(all: &'a [(Hash, &'t str)]) -> Vec<&'a [(Hash, &'t str)]> {
     let (mut parts, mut begin, mut bytes) = (Vec::new(), 0, 0);
     for (at, (_, text)) in all.iter().enumerate() {

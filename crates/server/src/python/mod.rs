@@ -1,5 +1,5 @@
-//! What Python's parser says about a script, and how the script fits its state, so that its author sees it before it runs.
-//! Knows the interpreter that runs would use; must never run a script.
+//! Checks a script with Python's parser and against its state, so that its author sees errors before it runs.
+//! Knows the interpreter of runs; never runs a script.
 
 mod facts;
 
@@ -23,13 +23,13 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 const CHECK: &str = include_str!("check.py");
-/// So many interpreters look at scripts at a time.
+/// Maximum number of parallel checks.
 const AT_ONCE: usize = 2;
-/// Longer scripts are not looked at.
+/// Limit on the length of a checked script, in bytes.
 const BYTES_MAX: usize = 1 << 20;
 const BOUNDS: ChildLimits = ChildLimits { patience: Duration::from_secs(10), output: 1 << 20 };
 
-/// What looks at scripts.
+/// Checks scripts and caches facts about them.
 #[derive(Debug)]
 pub(crate) struct Python {
     gate: Gate,
@@ -43,7 +43,7 @@ impl Default for Python {
 }
 
 impl Python {
-    /// What Python says about each text; nothing where it says nothing. To be called on a thread that may wait.
+    /// The facts about each text. `None` if they are unavailable. Call it on a blocking thread.
     pub(crate) fn facts(&self, settings: &Settings, texts: &[&str]) -> Vec<Option<Arc<Facts>>> {
         self.known.facts(settings, texts)
     }
@@ -59,7 +59,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(check))
 }
 
-/// What Python's parser says about a script, and how it fits the state that is named. Nothing of it runs.
+/// Checks a script with Python's parser and against the given state. It is never run.
 #[utoipa::path(post, path = "/api/v1/python/check", tag = "files", request_body = CheckScript, responses(
     (status = 200, description = "Errors and warnings by their place; none if there are none", body = [ScriptProblem]),
     (status = 404, description = "The machine of the state is not open", body = Refusal),
@@ -89,7 +89,7 @@ async fn check(
     at.python.gate.work(look).await
 }
 
-/// How a script that parses fits a state.
+/// Problems of a valid script in its state.
 fn fit(
     server: &ServerState,
     script: &str,

@@ -1,5 +1,5 @@
-//! Libraries that have changed since a machine was read or made: reported as notes, with the edit that adopts the current
-//! version. Knows libraries as they are now and as a machine has them.
+//! Notes about libraries that changed since the machine was loaded or made, with the edit that adopts the current version.
+//! Knows the current libraries and those in the machine.
 
 use rafcon_model::{Kind, LibraryContent, Machine, State, StatePath};
 use rafcon_protocol::api::{MachineProblem, Repair, Severity};
@@ -25,7 +25,7 @@ pub(in super::super) fn of_libraries(
     found
 }
 
-/// Contents that were compared already, by their folders.
+/// Results of earlier comparisons, by address.
 #[derive(Debug, Default)]
 struct Compared(BTreeMap<(*const State, *const State), bool>);
 
@@ -81,7 +81,7 @@ fn note(
     })
 }
 
-/// What is new and what is gone, by name.
+/// Names of new and removed ports and outcomes.
 fn differences(old: &State, new: &State) -> Vec<String> {
     let outcomes = |state: &State| state.outcomes.iter().map(|one| one.name.to_string()).collect();
     let inputs = |state: &State| state.inputs.iter().map(typed).collect();
@@ -110,7 +110,7 @@ fn typed(port: &rafcon_model::Port) -> String {
     format!("{}: {}", port.name, port.data_type)
 }
 
-/// The same library in the same place: what is connected by name stays. The outermost state has no place.
+/// Replaces the state by the current version of its library, keeping connections by name. `None` for the root state.
 fn take_over(path: &StatePath, state: &State, version: Option<String>) -> Option<Repair> {
     let container = path.parent()?;
     let mut document = StateDocument::of(state.id.as_str(), state);

@@ -1,4 +1,4 @@
-//! What is wrong with an open machine: what the checker finds, and libraries that have changed.
+//! Problems of an open machine: findings of the checker, and changed libraries.
 
 mod changed;
 
@@ -15,7 +15,7 @@ pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
     told(&of_rules_with_repairs(machine))
 }
 
-/// Everything that is wrong with its scripts; reads those that were not read before, so the thread may block.
+/// Problems of its scripts. Parses new scripts, so call it only from blocking threads.
 pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachineProblem> {
     let texts = rafcon_check::scripts(machine);
     let facts = server.python.facts(&server.settings, &texts);
@@ -25,7 +25,7 @@ pub(super) fn scripts(machine: &Machine, server: &ServerState) -> Vec<MachinePro
     told(&of_scripts(machine, &facts))
 }
 
-/// Faults of its files, without those that are found in the machine as it is now.
+/// Faults of its files, without those that the rules report for the current machine.
 pub(super) fn files(problems: &[LoadProblem]) -> Vec<MachineProblem> {
     let rest: Vec<_> =
         problems.iter().filter(|problem| !problem.is_found_by_rules()).cloned().collect();

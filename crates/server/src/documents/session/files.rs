@@ -13,24 +13,24 @@ use rafcon_storage::{Libraries, Saved};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A save in another folder that is free for it, or in its own.
+/// A save to the machine's own folder, or to another one that is free.
 #[derive(Debug)]
 pub(in crate::documents) struct Saving {
-    /// Another folder, from now on.
+    /// Another folder, which becomes the machine's own.
     pub(in crate::documents) to: Option<FileLocation>,
-    /// Also over what another program wrote there.
+    /// Overwrite changes of other programs.
     pub(in crate::documents) overwrite: bool,
 }
 
-/// What lies where a save writes.
+/// State of the target folder before a save.
 struct BeforeSave {
     saved: Option<Saved>,
-    /// What was read or written before, without faults: then the files say what a save would write to them, and nothing else.
+    /// The files are the last ones that were loaded or written, and have no faults: a save would write exactly them.
     is_known: bool,
 }
 
 impl MachineSession {
-    /// Writes the machine to its folder, or to another where it lies from then on.
+    /// Writes the machine to its folder, or moves it to another one.
     pub(in crate::documents) fn save(
         &self,
         saving: &Saving,
@@ -64,24 +64,24 @@ impl MachineSession {
         Ok(revision)
     }
 
-    /// Writes down what is about to be saved: a server that takes over in the middle of it recognizes the files.
+    /// Records that a save begins: after a crash in the middle, the next server recognizes the files.
     fn announce_save(&self, revision: u64, hash: &str) {
         let mut draft = self.draft.lock();
         let line = DraftLine::Saving { revision, hash: hash.to_owned() };
         if draft.is_begun()
             && let Err(error) = draft.append(&line)
         {
-            // A save is possible also where there is no room for this.
+            // A save must also work if the disk has no room for this line.
             log::say(&error.to_string());
         }
     }
 
-    /// Whether a library was added that was not read with the files.
+    /// The machine has a library that was not loaded with the files.
     fn brings_libraries(&self, machine: &Machine) -> bool {
         !libraries_of(machine).is_subset(&libraries_of(&self.open.read().files.machine))
     }
 
-    /// Writes a copy of the machine to another folder; gives the revision that lies there.
+    /// Writes a copy of the machine to another folder and returns the written revision.
     pub(in crate::documents) fn copy(
         &self,
         location: &FileLocation,
@@ -95,7 +95,7 @@ impl MachineSession {
         Ok(revision)
     }
 
-    /// What a save compares with; refused if it would overwrite what another program wrote.
+    /// The state of the folder before a save. Refuses to overwrite changes of another program.
     fn before(&self, saving: &Saving, tools: &Tools) -> Result<BeforeSave, Failure> {
         let unknown = |saved| Ok(BeforeSave { saved, is_known: false });
         let (saved, hash, folder) = {
@@ -116,7 +116,7 @@ impl MachineSession {
         Err(changed_on_disk(&folder))
     }
 
-    /// The machine becomes what lies on disk: a step like any other.
+    /// Replaces the machine by its files, as a step that can be undone.
     pub(in crate::documents) fn reload(
         &self,
         request: EditRequest,
@@ -163,7 +163,7 @@ impl MachineSession {
         Ok(())
     }
 
-    /// What was read is what was read or written before, what is open, or something else.
+    /// Compares loaded files with the last known ones and with the open machine, and updates the status.
     fn compared(&self, now: OnDisk) {
         let mut draft = self.draft.lock();
         let (revision, state, is_the_same, is_open) = {
@@ -183,7 +183,7 @@ impl MachineSession {
         self.tell();
     }
 
-    /// The files hold this now.
+    /// Records the current content of the files.
     fn on_disk(&self, draft: &mut Draft, files: Files) {
         let (revision, hash) = (files.revision, files.hash.clone());
         if !draft.is_begun() {
@@ -191,7 +191,7 @@ impl MachineSession {
             let head = DraftHeader::new(&open.folder, &hash, open.machine.revision());
             *draft = Draft::new(draft.place().to_owned(), head);
         } else if let Err(error) = draft.append(&DraftLine::Saved { revision, hash }) {
-            // It is saved; a server that takes over from this one finds its edits once more.
+            // The machine is saved. Without this line, the next server only replays its edits again.
             log::say(&error.to_string());
         }
         let mut open = self.open.write();
@@ -222,7 +222,7 @@ impl OnDisk {
     }
 }
 
-/// Path and name of each library that the machine's states run.
+/// Path and name of all libraries that the machine uses.
 fn libraries_of(machine: &Machine) -> BTreeSet<(&str, &str)> {
     let mut found = BTreeSet::new();
     let mut open = vec![&*machine.root];

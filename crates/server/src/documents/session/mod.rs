@@ -1,9 +1,8 @@
-//! One open machine with its folder, its draft and the people who look at it. Knows in which order things are done so that
-//! nothing that was answered gets lost, but not how requests arrive.
+//! One open machine with its folder, its draft and its viewers. Knows the order of writes and replies that keeps acknowledged
+//! edits safe, but not the origin of requests.
 //!
-//! Three locks, taken in this order. That of the files is held while they are read or written, and edits continue meanwhile; that
-//! of the draft while an edit is made and written down; that of what is open for a moment only, so that whoever must not wait
-//! for a disk may look.
+//! Three locks, taken in this order: `files` during reads and writes of files, while edits continue; `draft` while an edit is
+//! performed and recorded; `open` only briefly, so that readers never wait for a disk.
 
 mod files;
 
@@ -32,24 +31,24 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// One open machine.
+/// Session of an open machine.
 #[derive(Debug)]
 pub(crate) struct MachineSession {
     id: String,
-    /// ms since 1970, UTC.
+    /// Time of opening: ms since 1970, UTC.
     opened: u64,
     /// Held while files are read or written.
     files: Mutex<()>,
-    /// Held while an operation is performed and written down: what is open changes under it only.
+    /// Held while an operation is performed and recorded. `open` changes only under this lock.
     draft: Mutex<Draft>,
-    /// Held for writing only where nothing blocks.
+    /// Held for writing only around code that does not block.
     open: RwLock<OpenFiles>,
     wires: Broadcast,
     document: RevisionCache<Bytes>,
     problems: RevisionCache<Arc<[MachineProblem]>>,
 }
 
-/// What is open.
+/// State of the open machine.
 #[derive(Debug)]
 struct OpenFiles {
     machine: OpenMachine,
@@ -57,11 +56,11 @@ struct OpenFiles {
     file: MachineFile,
     files: Files,
     is_recovered: bool,
-    /// Drafts of the folder that are set aside.
+    /// Number of the folder's drafts that are set aside.
     set_aside: u64,
 }
 
-/// The files as they were read or written last.
+/// The files when they were last read or written.
 #[derive(Debug)]
 struct Files {
     saved: Saved,
@@ -72,16 +71,16 @@ struct Files {
     state: DiskState,
 }
 
-/// Where a machine lies.
+/// Location of a machine.
 #[derive(Debug, Clone)]
 pub(super) struct FileLocation {
     pub(super) folder: PathBuf,
     pub(super) file: MachineFile,
-    /// The folder of its draft.
+    /// Folder for the draft.
     pub(super) draft: PathBuf,
 }
 
-/// What files are read and written with.
+/// Libraries and naming for reading and writing files.
 #[derive(Debug)]
 pub(super) struct Tools {
     pub(super) libraries: Arc<Libraries>,
@@ -89,7 +88,7 @@ pub(super) struct Tools {
 }
 
 impl MachineSession {
-    /// The machine that was read, with what a draft added to it.
+    /// A session with a loaded machine and the edits of its draft.
     pub(super) fn new(
         id: String,
         location: FileLocation,
@@ -100,7 +99,7 @@ impl MachineSession {
         let Recovered { machine, draft, saved_revision, has_edits, hash } = recovered;
         let is_changed = hash != on_disk.hash;
         let revision = machine.revision();
-        // The client that opens it requests it next.
+        // The client that opens the machine requests the document next.
         let is_saved = !is_changed && revision == saved_revision;
         let is_on_disk = is_saved || *machine.machine() == on_disk.machine;
         let document = is_on_disk.then(|| (revision, whole(revision, &on_disk.document)));
@@ -127,58 +126,58 @@ impl MachineSession {
         }
     }
 
-    /// Its name.
+    /// Id of the session.
     pub(super) fn id(&self) -> &str {
         &self.id
     }
 
-    /// When it was opened: ms since 1970, UTC.
+    /// Time of opening: ms since 1970, UTC.
     pub(super) fn opened(&self) -> u64 {
         self.opened
     }
 
-    /// Its folder.
+    /// Folder of the machine.
     pub(super) fn folder(&self) -> PathBuf {
         self.open.read().folder.clone()
     }
 
-    /// Its summary, as long as it is open.
+    /// Its summary. Fails once the machine is closed.
     pub(super) fn summary(&self) -> Result<MachineSummary, Failure> {
         self.wires.summary().ok_or_else(|| closed(&self.id))
     }
 
-    /// The machine as it is now, and its revision.
+    /// The current machine and its revision.
     pub(super) fn machine(&self) -> (u64, Machine) {
         let open = self.open.read();
         (open.machine.revision(), open.machine.machine().clone())
     }
 
-    /// What a reader has not seen whose next revision is `from`.
+    /// Revisions that a reader has not seen yet; `from` is the first.
     pub(crate) fn since(&self, from: u64) -> RevisionsPage {
         self.open.read().machine.since(from)
     }
 
-    /// What was done to it since it was read.
+    /// History since the load.
     pub(super) fn steps(&self) -> MachineSteps {
         self.open.read().machine.steps()
     }
 
-    /// The latest truth, as long as it is open.
+    /// Receiver of its status. Fails once the machine is closed.
     pub(crate) fn status(&self) -> Result<watch::Receiver<MachineStatus>, Failure> {
         self.wires.status().ok_or_else(|| closed(&self.id))
     }
 
-    /// The number of the last revision, as long as it is open.
+    /// Receiver of its last revision. Fails once the machine is closed.
     pub(crate) fn revisions(&self) -> Result<watch::Receiver<u64>, Failure> {
         self.wires.revisions().ok_or_else(|| closed(&self.id))
     }
 
-    /// The folder of its draft.
+    /// The folder for its draft.
     pub(super) fn draft_place(&self) -> PathBuf {
         self.draft.lock().place().to_owned()
     }
 
-    /// Drafts that were set aside may have been removed.
+    /// Counts the drafts that are set aside.
     pub(super) fn count_set_aside(&self) {
         let draft = self.draft.lock();
         let count = set_aside::count(draft.place());
@@ -190,18 +189,18 @@ impl MachineSession {
         if self.wires.is_open() { Ok(()) } else { Err(closed(&self.id)) }
     }
 
-    /// Reports its current status. To be called before the draft is unlocked, so that the last report is the latest.
+    /// Publishes the current status. Call it before the draft is unlocked, so that reports keep their order.
     fn tell(&self) {
         let mut summary = self.open.read().summary(&self.id);
         if summary.is_recovered && !summary.is_changed {
-            // Recovered edits were taken back: later ones are not recovered.
+            // The recovered edits were undone, so later edits are not recovered ones.
             summary.is_recovered = false;
             self.open.write().is_recovered = false;
         }
         self.wires.tell(summary);
     }
 
-    /// Performs it, once for each request, and only after it is written down. `read` is the operation with what it names.
+    /// Records and performs an operation, once per request. `read` is the operation with its loaded contents.
     pub(super) fn perform(
         &self,
         record: RecordedOperation,
@@ -224,7 +223,7 @@ impl MachineSession {
         self.open.read().machine.answered(request)
     }
 
-    /// Closes it, with its draft; refused if there is something to lose.
+    /// Closes it and deletes its draft. Refuses to lose unsaved edits without `discard`.
     pub(super) fn close(&self, discard: bool) -> Result<(), Failure> {
         let _files = self.files.lock();
         let mut draft = self.draft.lock();
@@ -241,7 +240,7 @@ impl MachineSession {
         Ok(())
     }
 
-    /// Closes it, if no one is at work on it, follows it or would miss anything. What was answered stays known by its draft.
+    /// Closes it if it is saved, idle and without followers. Its draft keeps the acknowledged requests.
     pub(super) fn retire(&self) -> bool {
         let (Some(_files), Some(_draft)) = (self.files.try_lock(), self.draft.try_lock()) else {
             return false;
@@ -255,7 +254,7 @@ impl MachineSession {
         self.document.of(revision, || Ok(whole(revision, &disk::content(&machine)?.1)))
     }
 
-    /// Faults of its files at the last read, rules that it breaks, scripts that do not fit, and libraries that have changed.
+    /// Faults of its files at the last load, broken rules, problems of scripts, and changed libraries.
     pub(super) fn problems(&self, server: &ServerState) -> Result<Vec<MachineProblem>, Failure> {
         let (revision, machine) = self.machine();
         let rules = self.problems.of(revision, || Ok(super::problems::rules(&machine).into()))?;
@@ -266,21 +265,21 @@ impl MachineSession {
         Ok(files.into_iter().chain(rules).chain(scripts).chain(changed).collect())
     }
 
-    /// Someone looks at these states.
+    /// Sets the states that a connection shows.
     pub(super) fn looks(&self, presence: Presence) {
         self.wires.looks(presence);
     }
 
-    /// Someone looks elsewhere.
+    /// Removes a connection from the viewers.
     pub(super) fn leaves(&self, connection: u64) {
         self.wires.leaves(connection);
     }
 
-    /// A line of the draft. Before the first one, what the draft begins with is written: the files may be others when the
-    /// lines are read.
+    /// Appends a line to the draft. Writes the base document first, because the machine's files may change before the draft is
+    /// replayed.
     fn write_down(&self, draft: &mut Draft, line: &DraftLine) -> Result<(), Failure> {
         if !draft.is_begun() {
-            // Nothing was done yet, so that this is what was read; opening has made it JSON already.
+            // No operation was performed yet, so this is the loaded document. Opening has cached its JSON.
             let whole = self.document()?;
             draft.begin(document_of(&whole)).map_err(|error| unwritten(&error))?;
         }
@@ -294,7 +293,7 @@ fn whole(revision: u64, document: &[u8]) -> Bytes {
     [head.as_bytes(), document, b"}"].concat().into()
 }
 
-/// The document in what [`whole`] made.
+/// The document part of the output of [`whole`].
 fn document_of(whole: &[u8]) -> &[u8] {
     let key = b"\"document\":";
     let begin =
@@ -323,7 +322,7 @@ impl OpenFiles {
     }
 }
 
-/// No machine of this name is open.
+/// Refusal: no machine with this id is open.
 pub(super) fn closed(id: &str) -> Failure {
     let message = format!("no machine `{id}` is open: POST /api/v1/machines/open opens one");
     Failure::not_found("no_such_machine", message)

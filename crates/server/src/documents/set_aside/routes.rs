@@ -1,4 +1,4 @@
-//! Routes of drafts that were set aside. Knows requests and answers.
+//! Routes for drafts that were set aside. Knows requests and responses.
 
 use crate::extract::Path;
 use crate::{Failure, ServerState};

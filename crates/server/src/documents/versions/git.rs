@@ -1,8 +1,7 @@
-//! What git knows about a folder: its commits, and its files as of a commit. Knows git's commands, but not what the
-//! files mean.
+//! Git data of a folder: its commits, and its files at a commit. Knows git's commands, but not the meaning of the files.
 //!
-//! A repository is someone else's: nothing that its configuration names is run. So there is no checkout and no archive, which
-//! filter, and no configuration of a user or the system; objects that are not there are not fetched.
+//! A repository is untrusted: no program in its configuration may run. Therefore it uses neither checkout nor archive, which
+//! run filters, and no configuration of the user or the system. It never fetches missing objects.
 
 use crate::child::{ChildError, ChildLimits, ChildOutput, ask};
 use crate::{Failure, failure::reason};
@@ -13,28 +12,28 @@ use tokio::process::Command;
 
 /// Capacity of the list of commits.
 const COMMITS_MAX: usize = 200;
-/// How many bytes the files of a commit may have together.
+/// Limit on the total bytes of a commit's files.
 const BYTES_MAX: u64 = 128 << 20;
-/// How many files a commit may have below the folder.
+/// Limit on the number of files in a commit below the folder.
 const FILES_MAX: usize = 200_000;
 const GIT_TIMEOUT: Duration = Duration::from_secs(20);
 
-/// One file of a commit.
+/// A file of a commit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct CommittedFile {
-    /// Below the folder, joined by `/`: names, none of them `.` or `..`.
+    /// Path below the folder, joined by `/`, without `.` or `..`.
     pub(super) path: String,
     object: String,
     bytes: u64,
 }
 
-/// The folder of a machine, as git sees it.
+/// The folder of a machine, for git.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GitFolder<'f> {
     pub(super) path: &'f Path,
-    /// The project in which it lies: no repository outside is used.
+    /// The project that contains it. Repositories outside are refused.
     pub(super) project: &'f Path,
-    /// Where programs are searched.
+    /// Search path for programs.
     pub(super) programs: Option<&'f str>,
 }
 
@@ -60,8 +59,8 @@ impl GitFolder<'_> {
         ask(self.git(arguments), input, ChildLimits { patience: GIT_TIMEOUT, output }).await
     }
 
-    /// Whether there is a repository and all of it lies in the project. A file `.git`, a link or `commondir` may lead to
-    /// another.
+    /// The repository exists and lies completely inside the project. A file `.git`, a link or `commondir` may lead to another
+    /// one.
     async fn find_repository(&self) -> Result<bool, ChildError> {
         let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];
         let said = self.ask(&folders, Vec::new(), 64 << 10).await?;
@@ -76,7 +75,7 @@ impl GitFolder<'_> {
         Ok(is_inside && folders == 2)
     }
 
-    /// Commits that touched it, the newest first.
+    /// Commits that changed the folder, newest first.
     pub(super) async fn versions(&self) -> Result<MachineVersions, Failure> {
         match self.find_repository().await {
             Ok(false) | Err(ChildError::NotStarted(_)) => return Ok(MachineVersions::default()),
@@ -97,7 +96,7 @@ impl GitFolder<'_> {
         Ok(MachineVersions { is_git: true, versions, is_cut })
     }
 
-    /// The files below it in a commit.
+    /// Files below the folder in a commit.
     pub(super) async fn files(&self, commit: &str) -> Result<Vec<CommittedFile>, Failure> {
         check_hash(commit)?;
         if !self.find_repository().await.map_err(|error| failed(&error))? {
@@ -116,7 +115,7 @@ impl GitFolder<'_> {
         Ok(files)
     }
 
-    /// The contents of these files, in their order.
+    /// Contents of these files, in order.
     pub(super) async fn contents(&self, files: &[CommittedFile]) -> Result<Vec<Vec<u8>>, Failure> {
         let bytes: u64 = files.iter().map(|file| file.bytes).sum();
         if files.len() > FILES_MAX || bytes > BYTES_MAX {
@@ -139,7 +138,7 @@ impl GitFolder<'_> {
     }
 }
 
-/// The next object of a batch.
+/// The content of the next object in a batch.
 fn content(file: &CommittedFile, rest: &mut &[u8]) -> Option<Vec<u8>> {
     let head = format!("{} blob {}\n", file.object, file.bytes);
     let body = rest.strip_prefix(head.as_bytes())?;
@@ -155,7 +154,7 @@ fn version(text: &str) -> Option<MachineVersion> {
     Some(MachineVersion { commit, author, at_ms, subject: lines.next().unwrap_or_default() })
 }
 
-/// A line of the list, if it is a regular file with a path that leads below the folder.
+/// Parses a line of the list. `None` unless it is a regular file with a path below the folder.
 fn file(line: &str) -> Option<CommittedFile> {
     let (about, path) = line.split_once('\t')?;
     let mut about = about.split_ascii_whitespace();
@@ -167,7 +166,7 @@ fn file(line: &str) -> Option<CommittedFile> {
     (is_file && is_below).then_some(CommittedFile { path, object, bytes })
 }
 
-/// A whole hash, so that it is no option, no branch and no path.
+/// Requires a complete hash, which cannot be an option, a branch or a path.
 fn check_hash(commit: &str) -> Result<(), Failure> {
     let is_hex = commit.bytes().all(|byte| byte.is_ascii_hexdigit());
     if is_hex && matches!(commit.len(), 40 | 64) {
@@ -177,7 +176,7 @@ fn check_hash(commit: &str) -> Result<(), Failure> {
     Err(Failure::bad("bad_commit", message))
 }
 
-/// There is no commit yet, or git refuses.
+/// The response if the repository has no commit, or if git refuses.
 fn no_versions(said: &ChildOutput) -> Result<MachineVersions, Failure> {
     if said.error.contains("does not have any commits yet") {
         return Ok(MachineVersions { is_git: true, ..MachineVersions::default() });
@@ -193,7 +192,7 @@ fn no_version(commit: &str, why: &str) -> Failure {
 }
 
 fn refused(why: &str) -> Failure {
-    // The remedy that git suggests is in the user's configuration, which does not count here.
+    // The remedy that git suggests is in the user's configuration, which is ignored here.
     let message = if why.contains("dubious ownership") {
         "the repository belongs to another user than the server: start the server as that user"
             .to_owned()

@@ -1,5 +1,5 @@
-//! Other versions of an open machine, to compare it with: what lies on disk, and what git knows. Knows folders and how a machine
-//! is read from one, but not who compares.
+//! Other versions of an open machine, for comparison: the saved one, and those in git. Knows folders and how to load a machine
+//! from one, but not the client.
 
 mod git;
 mod routes;
@@ -18,7 +18,7 @@ use std::{fs, io};
 use tempfile::TempDir;
 use tokio::runtime::Handle;
 
-/// The machine as it lies on disk now: a [`Document`] as JSON.
+/// The machine on disk: a [`Document`] as JSON.
 fn saved(server: &ServerState, id: &str) -> Result<Vec<u8>, Failure> {
     let folder = server.documents.session(id)?.folder();
     let on_disk = disk::read(&folder, &server.projects.libraries())?;
@@ -26,7 +26,7 @@ fn saved(server: &ServerState, id: &str) -> Result<Vec<u8>, Failure> {
     Ok(on_disk.document)
 }
 
-/// The commits that touched the machine's folder.
+/// Commits that changed the machine's folder.
 async fn versions(server: &ServerState, id: &str) -> Result<MachineVersions, Failure> {
     let path = server.documents.session(id)?.folder();
     let Some(project) = server.projects.home_of(&path).filter(|_| path.is_dir()) else {
@@ -36,7 +36,7 @@ async fn versions(server: &ServerState, id: &str) -> Result<MachineVersions, Fai
     GitFolder { path: &path, project: &project, programs: programs.as_deref() }.versions().await
 }
 
-/// The machine as of a commit: a [`Document`] as JSON. To be called on a thread that may block.
+/// The machine at a commit: a [`Document`] as JSON. Call it on a blocking thread.
 fn version(server: &ServerState, id: &str, commit: &str) -> Result<Vec<u8>, Failure> {
     let path = server.documents.session(id)?.folder();
     let project = server.projects.home_of(&path).unwrap_or_else(|| path.clone());
@@ -53,7 +53,7 @@ fn version(server: &ServerState, id: &str, commit: &str) -> Result<Vec<u8>, Fail
     document(place.path(), commit, &server.projects.libraries())
 }
 
-/// Whether a machine is read from files of this name.
+/// Machines are loaded from files of this name.
 fn is_of_machine(path: &str) -> bool {
     let name = path.rsplit('/').next().unwrap_or(path);
     name == HEADER
@@ -61,12 +61,12 @@ fn is_of_machine(path: &str) -> bool {
         || Part::ALL.iter().any(|part| name == part.file_name())
 }
 
-/// Where versions are unpacked while they are read.
+/// Folder in which versions are unpacked temporarily.
 fn place(state: &Path) -> PathBuf {
     state.join("versions")
 }
 
-/// Removes what remains of a server that was killed while it read a version.
+/// Removes the files of a server that was killed while it read a version.
 pub(super) fn sweep(state: &Path) {
     match fs::remove_dir_all(place(state)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -76,7 +76,7 @@ pub(super) fn sweep(state: &Path) {
     }
 }
 
-/// The files in a folder that goes away when no one needs it.
+/// Writes the files to a temporary folder.
 fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<TempDir> {
     fs::create_dir_all(all)?;
     let place = tempfile::tempdir_in(all)?;
@@ -90,7 +90,7 @@ fn put(all: &Path, files: &[CommittedFile], contents: &[Vec<u8>]) -> io::Result<
     Ok(place)
 }
 
-/// The machine in a temporary folder, with libraries as they are now.
+/// The machine in a temporary folder, with current libraries.
 fn document(folder: &Path, commit: &str, libraries: &Libraries) -> Result<Vec<u8>, Failure> {
     let unread = |why: String| {
         let message = format!("the machine as of {commit} cannot be read: {why}");

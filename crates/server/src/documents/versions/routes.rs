@@ -1,4 +1,4 @@
-//! Requests about other versions of an open machine. Knows requests and answers.
+//! Routes for other versions of an open machine. Knows requests and responses.
 
 use crate::extract::Path;
 use crate::{Failure, ServerState};
@@ -17,7 +17,7 @@ pub(in super::super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(saved)).routes(routes!(versions)).routes(routes!(version))
 }
 
-/// An open machine as it lies on disk now.
+/// An open machine as it is on disk.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/saved", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -37,7 +37,7 @@ async fn saved(
     Ok(json(at.documents.loads.work(move || super::saved(&server, &machine)).await?))
 }
 
-/// The git commits that touched an open machine's folder.
+/// Git commits that changed the folder of an open machine.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/versions", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
@@ -57,7 +57,7 @@ async fn versions(
     Ok(Json(at.documents.versions.work(ask).await?))
 }
 
-/// An open machine as of a git commit, with libraries as they are now.
+/// An open machine at a git commit, with current libraries.
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/versions/{commit}", tag = "machines",
     params(
         ("machine" = String, Path, description = "The machine's id"),
