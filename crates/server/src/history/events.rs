@@ -92,7 +92,7 @@ fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
     }
 }
 
-/// The cursor of the next page, and the number of the last event so far.
+/// The cursor of the next page, and the number of the last event in the journal.
 pub(super) fn cursor(reader: &Reader, looked: Looked) -> Result<(u64, u64), Failure> {
     let last = reader.last_sequence()?;
     let next = if looked.is_past { looked.next.max(last + 1) } else { looked.next };

@@ -50,7 +50,7 @@ impl Written {
 }
 
 impl Sending {
-    /// Aborts the response.
+    /// Aborts the response with a failure.
     pub(super) fn fail(&self, failure: Failure) {
         // A client that has disconnected needs no notice.
         self.send(Err(failure)).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `server.json`: where programs of the same user find this server while it runs.
+//! `server.json`: address of a running server, for other programs of its user.
 
 use crate::ServerState;
 use crate::access::private::{self, PrivateError};
@@ -10,17 +10,17 @@ use std::path::{Path, PathBuf};
 
 /// Its name in the server's folder.
 const FILE: &str = "server.json";
-/// What a server keeps locked while it lives.
+/// File that a running server keeps locked.
 pub(super) const LOCK: &str = "server.lock";
 
-/// How the running server is reached.
+/// Address and process of a running server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AddressFile {
     /// Scheme, name and port.
     pub url: String,
-    /// Its process.
+    /// Id of the server's process.
     pub pid: u32,
-    /// SHA-256 of its certificate, in hexadecimal; none without TLS.
+    /// SHA-256 of its certificate, in hexadecimal. `None` without TLS.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
     #[serde(skip)]
@@ -28,7 +28,7 @@ pub struct AddressFile {
 }
 
 impl AddressFile {
-    /// Writes where a server listens. A server whose disk is full runs without.
+    /// Writes the address of a server. With a full disk, the server runs without this file.
     pub(super) fn write(
         server: &ServerState,
         address: SocketAddr,
@@ -46,13 +46,13 @@ impl AddressFile {
             (server.settings().tell)(&format!(
                 "{error}: the server runs; other programs of this computer need its address and token"
             ));
-            // It may name the server before this one.
+            // The file may describe the previous server.
             card.remove()?;
         }
         Ok(card)
     }
 
-    /// What the folder's server said; nothing if it ended in order.
+    /// Content of the file. `None` if the last server ended regularly.
     pub fn read(state: &Path) -> Result<Option<Self>, PrivateError> {
         let file = state.join(FILE);
         let Some(text) = private::read(&file)? else { return Ok(None) };
@@ -60,7 +60,7 @@ impl AddressFile {
         card.map(Some).map_err(|source| PrivateError::new("read", &file, source))
     }
 
-    /// What the folder's server says if it lives; nothing of one that died, whose port someone else may have by now.
+    /// Content of the file if the server still runs. A crashed server returns `None`, because its port may belong to another program now.
     pub fn of_living(state: &Path) -> Result<Option<Self>, PrivateError> {
         let lock = state.join(LOCK);
         let unlocked = match File::open(&lock) {
@@ -75,7 +75,7 @@ impl AddressFile {
         }
     }
 
-    /// The server is gone.
+    /// Removes the file when the server ends.
     pub(super) fn remove(&self) -> Result<(), PrivateError> {
         match fs::remove_file(&self.file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -86,7 +86,7 @@ impl AddressFile {
     }
 }
 
-/// How an address is reached from this computer.
+/// Address that reaches the server from this computer.
 fn near(address: SocketAddr) -> SocketAddr {
     let ip = match address.ip() {
         IpAddr::V4(ip) if ip.is_unspecified() => IpAddr::V4(Ipv4Addr::LOCALHOST),

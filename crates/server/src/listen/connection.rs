@@ -1,5 +1,5 @@
-//! Connections: so many at a time, each with a limit on how long it may take to say something. Knows streams; knows nothing of
-//! what is asked over them.
+//! Connections of clients, limited in number, and each with a time limit for a request's head. Knows streams; does not know the
+//! requests.
 
 use super::paced::Paced;
 use crate::access::{BasePrefix, Capacity, ConnectionSlot, ConnectionSlots, Peer};
@@ -24,13 +24,13 @@ use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 use tower_http::add_extension::AddExtension;
 
-/// So many bytes wait in the kernel for a client that does not read them; enough for 0.5 Mbit/s at a round trip of 4 s.
+/// Size of the kernel's send buffer for a client, in bytes; enough for 0.5 Mbit/s at a round trip of 4 s.
 const SEND_BUFFER: usize = 256 * 1024;
 
-/// Wait for the files of connections that lost their place.
+/// Maximum wait until connections that lost their slot are closed.
 const CLOSE_TIMEOUT: Duration = Duration::from_millis(100);
 
-/// Minimum interval between reports of a shortage in the log.
+/// Minimum interval between log lines about a shortage of slots.
 pub(super) const REPORT_INTERVAL: Duration = Duration::from_mins(1);
 
 /// All connections of a server.
@@ -39,7 +39,7 @@ pub(super) struct Connections {
     service: RequestService,
 }
 
-/// How one connection is answered.
+/// Serves the requests of one connection.
 #[derive(Clone)]
 struct RequestService {
     http: http1::Builder,
@@ -66,31 +66,31 @@ impl Connections {
         Self { places, service }
     }
 
-    /// Answers one connection. Where no place is free it is closed at once.
+    /// Serves a connection. Closes it at once if no slot is free.
     pub(super) fn begin(&self, stream: TcpStream, peer: SocketAddr, router: Router) {
         let peer = Peer::of(peer, stream.local_addr().ok());
         let Some((place, lost)) = self.places.take(peer) else { return };
-        // Without it an answer in two parts waits for the other side's acknowledgement.
+        // Otherwise the second part of a response waits for the client's acknowledgement.
         stream.set_nodelay(true).unwrap_or_default();
-        // What a client does not read waits in the kernel's memory, and there are many clients.
+        // Unread data occupies the kernel's memory, and the clients are many.
         set_socket_send_buffer_size(&stream, SEND_BUFFER).unwrap_or_default();
         let io = Paced::new(stream, self.service.write_limit, (Arc::clone(&place), lost));
         let service = self.service.clone();
         tokio::spawn(async move { service.welcome(io, (peer, place), router).await });
     }
 
-    /// Waits until a new connection has a file: those that lost their place close theirs soon.
+    /// Waits, for a limited time, until connections that lost their slot are closed and a file is free.
     pub(super) async fn room(&self) {
         self.places.wait_until_closed(CLOSE_TIMEOUT).await;
     }
 
-    /// Reports in the log that no place was free, at most once per interval.
+    /// Logs a shortage of slots, at most once per interval.
     #[expect(clippy::infinite_loop, reason = "it ends by being dropped, as futures do")]
     pub(super) async fn report(&self, log: fn(&str)) {
         let Capacity { all, anonymous } = self.places.capacity();
         let mut crowded_out = self.places.crowded_out();
         loop {
-            // The sender lives as long as we do.
+            // The sender lives as long as this function.
             drop(crowded_out.changed().await);
             let count = *crowded_out.borrow_and_update();
             log(&format!(
@@ -101,14 +101,14 @@ impl Connections {
         }
     }
 
-    /// Waits until all are gone, but not for ever.
+    /// Waits, for a limited time, until all connections are closed.
     pub(super) async fn gone(&self, patience: Duration) {
         self.places.wait_until_free(patience).await;
     }
 }
 
 impl RequestService {
-    /// Where there is TLS, a client has so long to speak it.
+    /// Starts to serve a connection. With TLS, the handshake has a timeout.
     async fn welcome(
         self,
         io: Paced<TcpStream>,
@@ -134,7 +134,7 @@ impl RequestService {
         let connection = self.http.serve_connection(TokioIo::new(io), service);
         let mut connection = pin!(connection.with_upgrades());
         let mut closed = self.closed.clone();
-        // How a connection ended is the client's business: it knows what it was not answered.
+        // The end of a connection needs no handling: the client knows which requests have no response.
         tokio::select! {
             ended = connection.as_mut() => return drop(ended),
             _ = closed.wait_for(|closed| *closed) => {}
@@ -144,7 +144,7 @@ impl RequestService {
     }
 }
 
-/// The request without the base path, which a proxy may have left in its path.
+/// Removes the base path from a request, in case a proxy left it there.
 fn without_base<B>(mut request: Request<B>, base: &BasePath) -> Request<B> {
     let rest = request.uri().path().strip_prefix(base.as_str());
     let prefix = match rest.filter(|_| !base.as_str().is_empty()) {
@@ -163,7 +163,7 @@ fn without_base<B>(mut request: Request<B>, base: &BasePath) -> Request<B> {
     request
 }
 
-/// What requests come over.
+/// A stream that carries requests.
 trait Stream: AsyncRead + AsyncWrite + Unpin + Send + 'static {}
 
 impl<T: AsyncRead + AsyncWrite + Unpin + Send + 'static> Stream for T {}

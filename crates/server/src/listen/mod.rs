@@ -1,5 +1,5 @@
-//! The server as a process: its folder, its socket, its beginning and its end. Knows addresses and connections; does
-//! not know what requests mean.
+//! The server as a process: its folder, its socket, its start and its shutdown. Knows addresses and connections; does not know
+//! the meaning of requests.
 
 use crate::access::notice;
 use crate::access::private::{self, PrivateError};
@@ -30,10 +30,10 @@ mod tls;
 pub use address_file::AddressFile;
 pub use tls::{TlsError, tls_config};
 
-/// How long requests that are being answered hold the end of the server back.
+/// Time limit for pending requests at shutdown.
 const SHUTDOWN_GRACE: Duration = Duration::from_secs(3);
 
-/// How long a server waits when it cannot accept a connection (no file handle is free, say).
+/// Pause after a failed accept, for example if no file descriptor is free.
 const ACCEPT_BACKOFF: Duration = Duration::from_millis(100);
 
 /// A server that listens.
@@ -44,13 +44,13 @@ pub struct Server {
     address: SocketAddr,
     card: AddressFile,
     identity: Option<Identity>,
-    /// Sees what other programs change about users.
+    /// Watches the changes that other programs make to users.
     _notice: Option<RecommendedWatcher>,
-    /// The folder is this server's as long as this is open.
+    /// Exclusive lock on the server's folder.
     _lock: File,
 }
 
-/// Why there is no server.
+/// The server cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// One of its files cannot be read or written.
@@ -59,45 +59,45 @@ pub enum ServeError {
     /// One of its parts cannot begin.
     #[error(transparent)]
     ServerState(#[from] ServerStateError),
-    /// Another server has the folder.
+    /// Another server holds the lock of the folder.
     #[error("another server uses {}: name another folder with --state, or end it first", folder.display())]
     Taken {
-        /// Which folder.
+        /// The folder that is in use.
         folder: PathBuf,
     },
-    /// The port is taken.
+    /// The port is in use.
     #[error(
         "something else listens on {address} already: choose another port with --bind, such as --bind 127.0.0.1:0 for one that is free"
     )]
     Busy {
-        /// Which one.
+        /// The address that is in use.
         address: SocketAddr,
     },
-    /// It cannot listen there.
+    /// The server cannot listen at this address.
     #[error("cannot listen on {address}: name an address of this computer with --bind")]
     Listen {
-        /// Where.
+        /// The address that failed.
         address: SocketAddr,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
-    /// No one could log in.
+    /// Other computers can reach the server, but it has no user who can log in.
     #[error(
         "other computers reach {address}, and nobody could log in: add a user first, with `rafcon user add NAME --role admin`"
     )]
     Nobody {
-        /// Where it was to listen.
+        /// The address in the settings.
         address: SocketAddr,
     },
-    /// There is no certificate.
+    /// The server has no usable certificate.
     #[error(transparent)]
     Tls(#[from] TlsError),
-    /// The system gives no threads or signals.
+    /// The system does not provide threads or signals.
     #[error("cannot begin to serve")]
     Begin(#[source] io::Error),
 }
 
-/// Serves until this process is asked to end (SIGINT, SIGTERM). Runs continue.
+/// Serves until this process receives SIGINT or SIGTERM. Runs continue.
 pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), ServeError> {
     if let Err(error) = descriptors::raise() {
         (settings.tell)(&format!("the limit of open files stays as it is: {error}"));
@@ -115,7 +115,7 @@ pub fn serve(settings: Settings, ready: impl FnOnce(&Server)) -> Result<(), Serv
 }
 
 impl Server {
-    /// Prepares everything and listens; no one is answered yet.
+    /// Prepares all parts and listens. Requests are served only by [`Self::run`].
     pub async fn bind(settings: Settings) -> Result<Self, ServeError> {
         private::folder(&settings.state)?;
         let lock = only_one(&settings.state).await?;
@@ -135,37 +135,37 @@ impl Server {
         Ok(Self { state: server, listener, address, card, identity, _notice: notice, _lock: lock })
     }
 
-    /// Where it listens.
+    /// The address that the server listens on.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// What a browser or program on this computer calls it: scheme, name and port.
+    /// Its URL for programs on this computer: scheme, name and port.
     pub fn url(&self) -> &str {
         &self.card.url
     }
 
-    /// The address that lets its owner in.
+    /// The URL with the owner's token, which logs its owner in.
     pub fn link(&self) -> String {
         format!("{}/?token={}", self.card.url, self.state.people().owner().text())
     }
 
-    /// The token by which the bridge to ROS 2 is let in, from this computer only. It is for the child process that carries it.
+    /// The token of the bridge to ROS 2, valid on this computer only. Pass it to the child process.
     pub fn ros_token(&self) -> &str {
         self.state.people().ros().text()
     }
 
-    /// SHA-256 of its certificate, in hexadecimal; none without TLS.
+    /// SHA-256 of its certificate, in hexadecimal. `None` without TLS.
     pub fn fingerprint(&self) -> Option<&str> {
         self.card.fingerprint.as_deref()
     }
 
-    /// What it looks after.
+    /// The shared state of the server.
     pub fn state(&self) -> &Arc<ServerState> {
         &self.state
     }
 
-    /// Answers requests until `stop`; then what is being answered is, and the card goes away.
+    /// Serves requests until `stop`. Then finishes pending requests and removes the address file.
     pub async fn run(self, stop: impl Future<Output = ()>) -> Result<(), ServeError> {
         let (closing, closed) = watch::channel(false);
         let tls = self.identity.map(|identity| identity.acceptor);
@@ -185,14 +185,14 @@ impl Server {
     }
 }
 
-/// Takes connections for ever.
+/// Accepts connections until dropped.
 #[expect(clippy::infinite_loop, reason = "it ends by being dropped, as futures do")]
 async fn accept(listener: &TcpListener, connections: &Connections, router: &Router) {
     loop {
         connections.room().await;
         match listener.accept().await {
             Ok((stream, peer)) => connections.begin(stream, peer, router.clone()),
-            // The client has hung up already, or no descriptor is free.
+            // The client has already disconnected, or no descriptor is free.
             Err(_) => tokio::time::sleep(ACCEPT_BACKOFF).await,
         }
     }
@@ -214,12 +214,12 @@ fn cannot(address: SocketAddr, source: io::Error) -> ServeError {
     }
 }
 
-/// A program that a server was just starting when it was killed holds its lock until that program runs: so often it is asked
-/// for, with a pause.
+/// Number of attempts, with a pause between them, to get the lock. A program that a killed server was just starting may hold the
+/// lock for a moment.
 const TRIES: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Makes this process the folder's only server.
+/// Takes the lock that makes this process the only server of the folder.
 async fn only_one(folder: &Path) -> Result<File, ServeError> {
     let path = folder.join(address_file::LOCK);
     let file = private::open(&path)?;
@@ -235,7 +235,7 @@ async fn only_one(folder: &Path) -> Result<File, ServeError> {
     Err(ServeError::Taken { folder: folder.to_owned() })
 }
 
-/// Ready once one has come. Signals count from this call on.
+/// Completes at the first signal. Signals are caught from this call on.
 fn end_signals() -> io::Result<impl Future<Output = ()>> {
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;

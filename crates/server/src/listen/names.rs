@@ -1,11 +1,11 @@
-//! What this server is called, from where it listens.
+//! Host names of the server, derived from its address and settings.
 
 use super::tls;
 use crate::access::Names;
 use crate::settings::Listen;
 use std::net::SocketAddr;
 
-/// Every name that it answers to.
+/// All host names that the server accepts.
 pub(super) fn of(listen: &Listen, address: SocketAddr) -> Names {
     let is_loopback = address.ip().is_loopback();
     let given = listen.hosts.iter().map(|host| host.to_ascii_lowercase()).collect();
@@ -17,7 +17,7 @@ pub(super) fn of(listen: &Listen, address: SocketAddr) -> Names {
     Names { port: address.port(), is_secure, is_loopback, hosts, given }
 }
 
-/// What this computer calls itself.
+/// Host name of this computer.
 fn host_name() -> Option<String> {
     let uname = rustix::system::uname();
     let name = uname.nodename().to_str().ok()?.to_ascii_lowercase();

@@ -1,5 +1,5 @@
-//! A stream whose other side has to read: what waits to be written for too long ends it. Knows bytes and time; knows nothing of
-//! what they mean.
+//! A stream with a time limit for its reader: data that stays unwritten for too long ends it. Knows bytes and time; does not know
+//! their meaning.
 
 use crate::access::{ConnectionSlot, Lost};
 use std::io;
@@ -10,18 +10,18 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// A reader that holds an answer up has to take so many bytes in the time limit, so that one byte a minute does not count.
+/// Minimum that a slow reader must accept within the time limit, so that one byte a minute is not enough.
 const BYTES_MIN: usize = 16 * 1024;
 
-/// A stream that ends when its reader takes no bytes for as long as the limit, or when another connection has taken its place.
-/// Holds the place, also after it has become a WebSocket.
+/// A stream that ends if its reader accepts too little within the limit, or if another connection takes its slot. It holds the
+/// slot, also after the upgrade to a WebSocket.
 #[derive(Debug)]
 pub(super) struct Paced<T> {
     io: T,
     limit: Duration,
-    /// Runs while bytes wait to be written.
+    /// Active while data waits to be written.
     deadline: Option<Pin<Box<Sleep>>>,
-    /// Written since the deadline was set.
+    /// Bytes written since the deadline was set.
     written: usize,
     lost: Lost,
     _place: Arc<ConnectionSlot>,
@@ -32,7 +32,7 @@ impl<T> Paced<T> {
         Self { io, limit, deadline: None, written: 0, lost, _place: place }
     }
 
-    /// Fails once another connection has taken the place.
+    /// Fails once another connection has taken the slot.
     fn keep_place(&mut self, context: &mut Context<'_>) -> io::Result<()> {
         match Pin::new(&mut self.lost).poll(context) {
             Poll::Pending => Ok(()),
@@ -64,7 +64,7 @@ impl<T> Paced<T> {
         done
     }
 
-    /// Everything was written, or enough of it.
+    /// Restarts the limit after a flush or enough bytes.
     fn restart(&mut self) {
         self.deadline = None;
         self.written = 0;
@@ -131,7 +131,7 @@ mod tests {
 
     const LIMIT: Duration = Duration::from_mins(1);
 
-    /// A stream whose reader takes so many bytes every 10 s; how long 1 MiB takes, or when it was given up.
+    /// Writes 1 MiB to a reader that accepts `bytes` bytes every 10 s. Returns success and the time.
     async fn written(bytes: usize) -> (bool, Duration) {
         let places = ConnectionSlots::new(Capacity { all: 1, anonymous: 1 });
         let peer = Peer { ip: IpAddr::V4(Ipv4Addr::LOCALHOST), is_near: true };

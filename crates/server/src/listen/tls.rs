@@ -1,5 +1,5 @@
-//! TLS: the certificate that others know this server by. One is made on first use and kept, so that whoever has compared its
-//! fingerprint once need not do so again.
+//! TLS identity of the server. The certificate is made on first use and stored, so that a fingerprint needs to be verified only
+//! once.
 
 use super::names;
 use crate::access::hex;
@@ -16,7 +16,7 @@ use tokio_rustls::rustls::pki_types::pem::{Error as PemError, PemObject as _};
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::rustls::{Error as RustlsError, ServerConfig};
 
-/// What a server shows to those who call it.
+/// Certificate and key of the server, ready for use.
 pub(super) struct Identity {
     pub(super) acceptor: TlsAcceptor,
     /// SHA-256 of the certificate, in hexadecimal.
@@ -29,53 +29,53 @@ impl fmt::Debug for Identity {
     }
 }
 
-/// Why there is no TLS.
+/// TLS is not available.
 #[derive(Debug, thiserror::Error)]
 pub enum TlsError {
     /// The server's own files cannot be written.
     #[error(transparent)]
     Private(#[from] PrivateError),
-    /// A file holds no certificate or key.
+    /// A file contains no valid certificate or key.
     #[error("cannot read {} as PEM: name a certificate with --certificate and its key with --key", path.display())]
     Pem {
-        /// Which file.
+        /// The file that cannot be parsed.
         path: PathBuf,
-        /// Why not.
+        /// The error of the parser.
         source: PemError,
     },
-    /// A file that holds no certificate.
+    /// The file contains no certificate.
     #[error("there is no certificate in {}: name a file that holds one with --certificate", path.display())]
     Empty {
-        /// Which file.
+        /// The file without a certificate.
         path: PathBuf,
     },
-    /// Certificate and key cannot be used.
+    /// Certificate and key do not fit together.
     #[error("the certificate {} cannot be used with its key: name another pair", path.display())]
     Pair {
-        /// Which certificate.
+        /// The file of the certificate.
         path: PathBuf,
-        /// Why not.
+        /// The error of the TLS library.
         source: RustlsError,
     },
-    /// None can be made.
+    /// A new certificate cannot be made.
     #[error("cannot make a certificate: name one with --certificate and --key")]
     Make(#[source] rcgen::Error),
 }
 
-/// Whether a server that listens there speaks TLS: always where other computers reach it.
+/// TLS is required at addresses that other computers can reach, and used with a configured certificate.
 pub(super) fn is_needed(listen: &Listen, address: SocketAddr) -> bool {
     !address.ip().is_loopback() || listen.certificate.is_some()
 }
 
-/// What a server with these settings shows to those who call it, for whoever else listens for it: how TLS is spoken, and the
-/// fingerprint of its certificate, which is made if there is none.
+/// TLS configuration and certificate fingerprint of a server with these settings, for other listeners. Makes the certificate if
+/// it does not exist.
 pub fn tls_config(settings: &Settings) -> Result<(Arc<ServerConfig>, String), TlsError> {
     private::folder(&settings.state)?;
     let Identity { acceptor, fingerprint } = identity(settings, settings.listen.address)?;
     Ok((Arc::clone(acceptor.config()), fingerprint))
 }
 
-/// The server's identity, made if it has none.
+/// The identity of the server. Makes a certificate if none is configured or stored.
 pub(super) fn identity(settings: &Settings, address: SocketAddr) -> Result<Identity, TlsError> {
     let named = settings.listen.certificate.clone();
     let (certificate, key) = match named {
@@ -113,7 +113,7 @@ fn fingerprint(certificate: &CertificateDer<'_>) -> String {
     hex(digest(&SHA256, certificate).as_ref())
 }
 
-/// The pair that lies in the server's folder, after it was made if it was not there.
+/// The pair in the server's folder, which is made if it does not exist.
 fn own(state: &Path, listen: &Listen, address: SocketAddr) -> Result<(PathBuf, PathBuf), TlsError> {
     let (certificate, key) = (state.join("certificate.pem"), state.join("key.pem"));
     if !certificate.exists() || !key.exists() {
@@ -125,7 +125,7 @@ fn own(state: &Path, listen: &Listen, address: SocketAddr) -> Result<(PathBuf, P
     Ok((certificate, key))
 }
 
-/// Names and addresses for which a certificate is good.
+/// Names and addresses in a new certificate.
 fn names_of(listen: &Listen, address: SocketAddr) -> Vec<String> {
     let names = names::of(listen, address);
     let mut names = [names.given, names.hosts].concat();

@@ -30,7 +30,7 @@ pub(crate) struct Search<'s> {
     /// Path of the library.
     pub(crate) path: &'s str,
     pub(crate) name: &'s str,
-    /// Folders to skip.
+    /// Folders that the search skips.
     pub(crate) hidden: &'s BTreeSet<PathBuf>,
     /// Maximum number of usages.
     pub(crate) most: usize,

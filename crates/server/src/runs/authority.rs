@@ -1,4 +1,4 @@
-//! Control of runs for those who come neither over HTTP nor over a socket: the users of a station far away.
+//! Control of runs by the users of a remote station, who use neither HTTP nor the WebSocket.
 
 use super::commands::{move_holder, refused, take};
 use super::control::GivenCommand;
@@ -17,10 +17,10 @@ use std::path::Path;
 use std::sync::Arc;
 use tokio::runtime::Handle;
 
-/// Takes the answer to a request.
+/// Callback for the result of a request.
 type Answered = Box<dyn FnOnce(RobotAnswer) + Send>;
 
-/// Decides who commands the runs of a server, on any thread. The station vouches for what its users may do.
+/// Decides who may command the runs of a server, on any thread. The station vouches for the rights of its users.
 #[derive(Debug, Clone)]
 pub struct RunAuthority {
     server: Arc<ServerState>,
@@ -28,20 +28,20 @@ pub struct RunAuthority {
 }
 
 impl RunAuthority {
-    /// The authority over the runs of this server. To be called within its runtime.
+    /// The authority over the runs of this server. Call it within the server's runtime.
     pub fn new(server: &Arc<ServerState>) -> Self {
         Self { server: Arc::clone(server), runtime: Handle::current() }
     }
 
-    /// Whether a user may command this run now, having decided under this epoch of authority: the first who does takes control. Else
-    /// why not, and the way out.
+    /// Checks that a user who decided under this epoch of authority may command this run. The first such user takes control. `Err`
+    /// contains the reason and a remedy.
     pub fn command(&self, run: &str, user: &str, id: &str, epoch: u64) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
         let given = GivenCommand { user, id, epoch: Some(epoch) };
         take(&self.server, &run, given).map_err(|failure| failure.to_string())
     }
 
-    /// The run refused the command with this id: if its author took control by it, nobody has it.
+    /// The run refused the command with this id. If its author took control by it, control is released.
     pub fn refused(&self, run: &str, id: &str) {
         let _within = self.runtime.enter();
         if let Ok(run) = self.run(run) {
@@ -49,12 +49,12 @@ impl RunAuthority {
         }
     }
 
-    /// Right that a command needs.
+    /// The right that a command requires.
     pub fn right_of(command: &Command) -> Right {
         of_command(command)
     }
 
-    /// Moves control of a run as a user wants, or says why not.
+    /// Changes control of a run for a user. `Err` contains the reason.
     pub fn move_control(&self, run: &str, user: &str, wanted: &ControlMove) -> Result<(), String> {
         let (_within, run) = (self.runtime.enter(), self.run(run)?);
         if let ControlMove::HandOver { to } = wanted
@@ -66,13 +66,13 @@ impl RunAuthority {
         move_holder(&self.server, &run, user, wanted).map_err(|failure| failure.to_string())
     }
 
-    /// True once the runs in the folder are known.
+    /// The runs in the folder are known.
     pub fn is_ready(&self) -> bool {
         self.server.runs.are_known()
     }
 
-    /// Begins to resume a run whose runner died, once for each id of a user. `answered` is called with the result: `Expired` if nothing
-    /// was done by the end of its validity.
+    /// Starts to resume a crashed run, once for each id of a user. `answered` receives the result: `Expired` if nothing was done by the
+    /// end of its validity.
     pub fn resume(&self, request: ResumeRequest, answered: Answered) -> Result<(), String> {
         let run = self.run(&request.run)?;
         if let Some(robot) = run.robot() {
@@ -95,8 +95,8 @@ impl RunAuthority {
         }
     }
 
-    /// Begins to start a run, once for each id of a user. `answered` is called with the result: `Expired` if nothing was done by the
-    /// end of its validity.
+    /// Starts a new run, once for each id of a user. `answered` receives the result: `Expired` if nothing was done by the end of its
+    /// validity.
     pub fn start(&self, request: StartRequest, answered: Answered) -> Result<(), String> {
         let server = Arc::clone(&self.server);
         self.carry_out(async move { start::for_station(&server, request).await }, answered);
@@ -113,7 +113,7 @@ impl RunAuthority {
         }
     }
 
-    /// Fate of a start that an earlier server wrote into a folder.
+    /// Fate of a start that an earlier server recorded in a folder.
     fn fate_in(&self, folder: &Path) -> RobotAnswer {
         let id = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         match self.server.runs.known(&id).map(|run| run.summary().phase) {
@@ -136,18 +136,18 @@ impl RunAuthority {
                 Err(failure) if failure.code() == EXPIRED => RobotAnswer::Expired,
                 Err(failure) => RobotAnswer::Refused { reason: failure.to_string() },
             };
-            // The relay's queue may be full for a moment.
+            // Runs on a blocking thread, because the relay's queue may be full for a moment.
             let told = tokio::task::spawn_blocking(move || answered(answer));
             told.await.unwrap_or_default();
         });
     }
 
-    /// A user is there: who holds control is not silent.
+    /// The user is active, so they are not silent as the holder of control.
     pub fn present(&self, user: &str) {
         self.server.heard(user);
     }
 
-    /// Who holds control of a run; none if the run is not known.
+    /// State of control of a run. `None` if the run is unknown.
     pub fn control(&self, run: &str) -> Option<Control> {
         Some(self.server.runs.known(run)?.control())
     }

@@ -1,5 +1,5 @@
-//! The command list of a robot of this station: shown, set and released. Knows requests, rights, control and the records of runs; list and
-//! link lie with the station.
+//! Routes for the command list of a robot: read, replace and release. Knows requests, rights, control and the records of runs. The
+//! station has the list and the link.
 
 use crate::access::{Who, of_command};
 use crate::extract::{Body, Path, Query};
@@ -46,8 +46,8 @@ async fn command_list(
 
 /// Replaces the command list of a robot.
 ///
-/// The new list is not released and has another revision. With `revision`, only the list of this revision is replaced. A text that is no list is refused and changes nothing; a list in which commands
-/// have faults is stored, and cannot be released.
+/// The new list has a new revision and is not released. With `revision`, only a list of that revision is replaced. An invalid text
+/// is refused. A list with faulty commands is stored, but cannot be released.
 #[utoipa::path(put, path = "/api/v1/robots/{robot}/commands", tag = "runs", request_body = Vec<ListedCommand>,
     params(("robot" = String, Path, description = "The robot's name at this station"), ListChange),
     responses(
@@ -79,8 +79,8 @@ async fn set_command_list(
 
 /// Releases the command list of a robot.
 ///
-/// All commands are sent, or none: with a fault in any line the release is refused, and the message names all faults. A list that is released
-/// already is sent again under the same ids, as far as the fates are unknown, so the robot carries out each command at most once.
+/// Sends all commands or none: a fault in any line refuses the release, and the message names all faults. For a list that was
+/// already released, it resends the commands with unknown fates under their old ids. The robot executes each at most once.
 #[utoipa::path(post, path = "/api/v1/robots/{robot}/commands/release", tag = "runs", request_body = ReleaseList,
     params(("robot" = String, Path, description = "The robot's name at this station")),
     responses(
@@ -115,7 +115,7 @@ async fn release_command_list(
     Ok(Json(reviewed_list(&server, &who, &robot, list).await.0))
 }
 
-/// Asks the station about the list of a robot.
+/// Runs a request for a robot's list on the station.
 async fn ask(
     server: &ServerState,
     robot: &str,
@@ -140,8 +140,8 @@ fn failed(robot: &str, why: CommandListFault) -> Failure {
     }
 }
 
-/// The list with the fates that the records of the runs have, and with the faults of the user's rights and control. Beside it, true for
-/// each line that no release sends again.
+/// Adds to the list the fates from the records of the runs, and the faults in the user's rights and control. Also returns, for each
+/// line, whether a release would skip it.
 async fn reviewed_list(
     server: &Arc<ServerState>,
     who: &Who,
@@ -157,7 +157,7 @@ async fn reviewed_list(
             set_fate(line, recorded);
         }
     }
-    // Whoever may not command reviews no faults of their own.
+    // Users without the right to command see no faults in their own rights.
     if who.must(Right::Command).is_ok() {
         for (line, is_settled) in list.lines.iter_mut().zip(&settled) {
             if line.fault.is_none() && !is_settled && is_to_send(line) {
@@ -168,14 +168,14 @@ async fn reviewed_list(
     (list, settled)
 }
 
-/// Content of the record of a run about one command.
+/// The record of a run about one command.
 #[derive(Debug, Clone, Default)]
 struct RecordedFate {
     answer: Option<Answer>,
     is_run_over: bool,
 }
 
-/// Fates of the commands of a released list in the records of their runs.
+/// Fates of the commands of a released list, from the records of their runs.
 async fn recorded_fates(server: &Arc<ServerState>, list: &CommandList) -> Vec<RecordedFate> {
     let mut by_run: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
     for (index, line) in list.lines.iter().enumerate().filter(|(_, line)| !is_answered(line)) {
@@ -191,7 +191,7 @@ async fn recorded_fates(server: &Arc<ServerState>, list: &CommandList) -> Vec<Re
             let moment = reader.moment(u64::MAX)?;
             Ok(ids.iter().map(|id| moment.whole().answer(id).cloned()).collect::<Vec<_>>())
         });
-        // A record that cannot be read says nothing about the commands.
+        // An unreadable record leaves the fates unknown.
         for (line, answer) in lines.into_iter().zip(read.await.unwrap_or_default()) {
             fates[line] = RecordedFate { answer, is_run_over };
         }
@@ -221,7 +221,7 @@ fn set_fate(line: &mut ListLine, RecordedFate { answer, is_run_over }: RecordedF
     }
 }
 
-/// True if the fate of the command is known.
+/// The fate of the command is known.
 fn is_answered(line: &ListLine) -> bool {
     matches!(&line.fate, Some(ListFate::Answered { answer }) if is_known(answer))
 }
@@ -234,7 +234,7 @@ fn is_over(line: &ListLine) -> bool {
     line.expires_ms.is_some_and(|expires_ms| expires_ms <= clock::since_1970_ms())
 }
 
-/// True if a release now would send the command.
+/// A release would send the command now.
 fn is_to_send(line: &ListLine) -> bool {
     match &line.fate {
         None => true,
@@ -243,7 +243,7 @@ fn is_to_send(line: &ListLine) -> bool {
     }
 }
 
-/// Fault of a command of this user: a run of another robot, a missing right, or another user in control.
+/// Fault of a command for this user: a run of another robot, a missing right, or another user in control.
 async fn own_fault(
     server: &Arc<ServerState>,
     who: &Who,

@@ -1,5 +1,5 @@
-//! Commands of runs: whether they may be given, on their way to the runner, and their answers. Knows rights, control and
-//! links, but not what a command does.
+//! Commands of runs: authorization, delivery to the runner, and replies. Knows rights, control and links, but not the effect of a
+//! command.
 
 use super::control::GivenCommand;
 use super::folder_files::key;
@@ -19,17 +19,16 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{sleep, timeout};
 
-/// How long an answer is waited for: a runner whose disk refuses may take long.
+/// Timeout of a command. A runner with a failing disk may take long.
 pub(super) const COMMAND_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// How long an answer to a stop is waited for; then the process of the run is ended. A runner whose engine does not take a stop
-/// ends itself a little before that.
+/// Timeout of a stop; then the process of the run is killed. A runner whose engine does not stop ends itself a little before.
 const STOP_TIMEOUT: Duration = Duration::from_secs(15);
 
-/// A stop whose link was lost is sent again after this time.
+/// Interval after which a stop is resent if its link was lost.
 const RETRY_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Gives a command to a run in the name of whoever asks.
+/// Gives a command to a run for a user.
 pub(crate) async fn command(
     server: &Arc<ServerState>,
     who: &Who,
@@ -48,7 +47,7 @@ pub(crate) async fn command(
     if !is_commanded(&run) {
         return answered_before(server, &run, id, known).await;
     }
-    // Who commands a run far away, its robot decides.
+    // The robot decides who commands a remote run.
     if !envelope.command.is_for_everybody() && !run.is_replica() {
         take(server, &run, GivenCommand { user: &who.user, id: &known, epoch: envelope.epoch })?;
     }
@@ -65,13 +64,13 @@ pub(crate) async fn command(
     Ok(CommandAnswer { id, answer })
 }
 
-/// Whether there is a runner that can be commanded: with a link there is, whatever was found.
+/// A runner can be commanded. With a link it exists, whatever the phase of the run.
 fn is_commanded(run: &Run) -> bool {
     let is_finished = matches!(run.summary().phase, RunPhase::Finished { .. });
     run.is_live() || (run.link().is_some() && !is_finished)
 }
 
-/// The first who commands takes control; all but the holder are refused.
+/// Takes control for the first user who commands. Denies users other than the holder.
 pub(super) fn take(
     server: &ServerState,
     run: &Arc<Run>,
@@ -81,7 +80,7 @@ pub(super) fn take(
     with_control(server, run, given.user, |holding| holding.command(given, now_ms, run.silence()))
 }
 
-/// The run refused a command: it gave nobody control.
+/// The run refused a command, so the command gives nobody control.
 pub(super) fn refused(server: &ServerState, run: &Arc<Run>, id: &str) {
     let now_ms = clock::since_1970_ms();
     let user = id.split_once('/').map_or(id, |(user, _)| user);
@@ -92,7 +91,7 @@ pub(super) fn refused(server: &ServerState, run: &Arc<Run>, id: &str) {
     freed.unwrap_or_default();
 }
 
-/// Moves control, as someone wants.
+/// Changes control of a run for a user.
 pub(crate) async fn control(
     server: &Arc<ServerState>,
     who: &Who,
@@ -118,7 +117,7 @@ pub(crate) async fn control(
     Ok(control)
 }
 
-/// Moves control of a run that is here.
+/// Changes control of a local run.
 pub(super) fn move_holder(
     server: &ServerState,
     run: &Arc<Run>,
@@ -133,7 +132,7 @@ pub(super) fn move_holder(
     Ok(())
 }
 
-/// Asks the robot of a replica to move control, and waits for what it says.
+/// Requests a change of control from the robot of a replica, and waits for the reply.
 async fn ask_robot(run: &Run, who: &Who, wanted: &ControlMove) -> Result<(), Failure> {
     let link = run.linked().await.ok_or_else(link_lost)?;
     let id = format!("{}/control-{}-{}", who.user, clock::since_1970_ms(), run.next_note());
@@ -146,9 +145,9 @@ async fn ask_robot(run: &Run, who: &Who, wanted: &ControlMove) -> Result<(), Fai
     }
 }
 
-/// No one is given control who could not command.
+/// Control can be handed over only to a user who may command.
 async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failure> {
-    // Of those on the other side of a link, that side knows.
+    // A user of the remote side is checked there.
     if user.contains('@') {
         return Ok(());
     }
@@ -162,7 +161,7 @@ async fn may_command(server: &Arc<ServerState>, user: &str) -> Result<(), Failur
     Err(Failure::conflict("not_in_control", message))
 }
 
-/// Does something with who holds control. If another does then, it is kept, and told to the runner: it stands in the journal.
+/// Changes the state of control. A change is stored; a new holder is also sent to the runner for the journal.
 fn with_control(
     server: &ServerState,
     run: &Arc<Run>,
@@ -191,13 +190,13 @@ fn with_control(
     Ok(())
 }
 
-/// Keeps who holds control, behind the back of whoever asks.
+/// Stores the state of control in the background.
 fn keep_holder(run: &Arc<Run>) {
     let run = Arc::clone(run);
     drop(tokio::task::spawn_blocking(move || run.keep_holding()));
 }
 
-/// Sends the runner of a live run a note of the new control, for the journal.
+/// Sends a note of the new control to the runner of a live run, for its journal.
 fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
     if !run.is_live() {
         return;
@@ -208,7 +207,7 @@ fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
     run.send_note(Envelope { epoch: Some(epoch), ..Envelope::new(id, user, command) });
 }
 
-/// Stops a run, whatever its runner does: if that does not answer in time, its process is ended.
+/// Stops a run. If the runner does not respond in time, its process is killed.
 async fn stop(
     server: &ServerState,
     who: &Who,
@@ -216,12 +215,12 @@ async fn stop(
     envelope: Envelope,
 ) -> Result<Answer, Failure> {
     match timeout(STOP_TIMEOUT, until_answered(run, envelope)).await {
-        // It has ended itself: its engine did not take the stop.
+        // The runner has ended itself, because its engine did not stop.
         Ok(Err(failure)) if failure.code() == LINK_LOST && !run.is_live() => {
             return Ok(Answer::Applied);
         }
         Ok(answer) => return answer,
-        // Its process is on the robot; here, the station writes the run.
+        // The process is on the robot. The local writer is the station.
         Err(_over) if run.is_replica() => return Err(robot_late()),
         Err(_over) => {}
     }
@@ -240,7 +239,7 @@ async fn stop(
     Ok(Answer::Applied)
 }
 
-/// Sends a command as often as its link is lost while the run continues.
+/// Resends a command while its link is lost and the run is live.
 async fn until_answered(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
     loop {
         match send(run, envelope.clone()).await {
@@ -262,14 +261,14 @@ async fn send(run: &Run, envelope: Envelope) -> Result<Answer, Failure> {
     let sent = timeout(COMMAND_TIMEOUT, sent(run, &link, envelope));
     match sent.await {
         Ok(Ok(answer)) => Ok(answer),
-        // A runner that is killed has no last word.
+        // A killed runner cannot reply.
         Ok(Err(failure)) if ends && failure.code() == LINK_LOST => Ok(Answer::Applied),
         Ok(Err(failure)) => Err(failure),
         Err(_over) => Err(late()),
     }
 }
 
-/// A command that brings the robot to rest does not wait for those before it: it takes a way of its own.
+/// Sends a command. Urgent commands use a separate connection if others are pending.
 async fn sent(run: &Run, link: &Link, envelope: Envelope) -> Result<Answer, Failure> {
     let is_urgent = envelope.command.is_for_everybody() || envelope.command == Command::Kill;
     if is_urgent && link.is_busy() {
@@ -290,7 +289,7 @@ fn not_sent(why: NotSent) -> Failure {
     }
 }
 
-/// The robot far away has not answered yet.
+/// The remote robot has not replied.
 fn robot_late() -> Failure {
     let message = "the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id";
     Failure::unavailable("no_answer", message)
@@ -316,7 +315,7 @@ fn not_spoken_with(error: &LinkError) -> Failure {
     Failure::unavailable(LINK_LOST, message)
 }
 
-/// The answer that a command had while the run continued; without one it comes too late.
+/// The reply to a command from before the run ended. Without one, the command is too late.
 async fn answered_before(
     server: &ServerState,
     run: &Run,
@@ -329,12 +328,12 @@ async fn answered_before(
         .history
         .readers()
         .read(folder, move |reader| Ok(reader.moment(u64::MAX)?.whole().answer(&known).cloned()));
-    // What cannot be read says nothing about the command.
+    // An unreadable journal leaves the fate unknown.
     let answer = read.await.ok().flatten();
     answer.map(|answer| CommandAnswer { id, answer }).ok_or_else(|| not_live(&phase))
 }
 
-/// Why a run cannot be commanded.
+/// Reason why a run cannot be commanded.
 pub(super) fn not_live(phase: &RunPhase) -> Failure {
     let message = match phase {
         RunPhase::Crashed => "the runner of this run is dead: resume the run (POST …/resume)",
@@ -343,7 +342,7 @@ pub(super) fn not_live(phase: &RunPhase) -> Failure {
     Failure::conflict("run_is_not_live", message)
 }
 
-/// What an active state of a run holds.
+/// Data of an active state of a run.
 pub(crate) async fn inspect(
     server: &Arc<ServerState>,
     run: &str,
@@ -353,7 +352,7 @@ pub(crate) async fn inspect(
     if !run.is_live() {
         return Err(not_live(&run.summary().phase));
     }
-    // Held until the connection is gone.
+    // Held until the connection is closed.
     let _guest = run.guest().ok_or_else(|| {
         let message = "too many ask what states of this run hold: wait for their answers";
         Failure::too_many("too_many_questions", message).retry_after(1)

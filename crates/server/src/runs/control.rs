@@ -1,25 +1,25 @@
-//! Who commands a run: one user at a time, who may be asked for it, hand it over, or lose it by silence. Pure: the time comes
-//! in. Knows users by their names, but not what they command.
+//! Control of a run: one holder at a time, who can be asked for control, hand it over, or lose it by silence. Pure: time is an
+//! argument. Knows users by name, but not their commands.
 
 use rafcon_protocol::api::{Control, ControlMove};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
-/// So many ask at a time.
+/// Maximum number of pending requests.
 const REQUESTS_MAX: usize = 64;
 
-/// Who holds control of a run, and who asks for it. No one asks while no one holds it.
+/// Holder of control of a run, and the pending requests. Without a holder, no request is pending.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(super) struct Holding {
     holder: Option<ControlHolder>,
     requests: Vec<String>,
-    /// To whom the holder offers it.
+    /// The user to whom the holder offers control.
     #[serde(default)]
     offered_to: Option<String>,
-    /// It rises each time control passes.
+    /// Increments each time control passes.
     #[serde(default)]
     epoch: u64,
-    /// What was decided before this epoch is void.
+    /// Commands decided before this epoch are void.
     #[serde(default)]
     valid_from: u64,
 }
@@ -28,10 +28,10 @@ pub(super) struct Holding {
 struct ControlHolder {
     user: String,
     since_ms: u64,
-    /// Not kept: whoever held a run when the server went away has all the time again.
+    /// Not stored: after a restart of the server, the silence of the holder starts anew.
     #[serde(skip)]
     heard_ms: u64,
-    /// The command by which they took it from nobody, until another one is given.
+    /// The command by which the holder took control from nobody, until the next command.
     #[serde(skip)]
     first: Option<FirstCommand>,
 }
@@ -40,45 +40,45 @@ struct ControlHolder {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct FirstCommand {
     id: String,
-    /// `valid_from` before it.
+    /// Value of `valid_from` before the command.
     valid_from: u64,
 }
 
-/// Why control does not change hands, or a command is not for this user.
+/// Reason why control does not pass, or why a command is denied.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Denied {
-    /// Someone else holds it.
+    /// Another user holds control.
     #[error(
         "{holder} holds control of this run: request it (POST …/control with \"move\": \"request\"), or take it over \
          when they have been silent for {silence_s} s; stop and pause need no control"
     )]
     Held {
-        /// Who.
+        /// The user who holds control.
         holder: String,
-        /// After how many seconds of silence it can be taken over.
+        /// Seconds of silence after which control can be taken over.
         silence_s: u64,
     },
-    /// The holder was heard.
+    /// The holder was active recently.
     #[error(
         "{holder} was heard {heard_s} s ago: control can be taken over after {silence_s} s of silence; request it meanwhile"
     )]
     Heard {
-        /// Who holds it.
+        /// The user who holds control.
         holder: String,
-        /// How long ago.
+        /// Seconds since the holder's last activity.
         heard_s: u64,
-        /// After how many seconds of silence it can be taken over.
+        /// Seconds of silence after which control can be taken over.
         silence_s: u64,
     },
-    /// Only the holder can do this, and no one is.
+    /// Only a holder can do this, and nobody holds control.
     #[error(
         "nobody holds control of this run: the first who commands takes it, or who requests it"
     )]
     Nobody,
-    /// No one can be called that.
+    /// The name of the new holder is invalid.
     #[error("control is handed over to a user: a name of 1 to 64 characters")]
     NoName,
-    /// There is nothing to accept or to decline.
+    /// Control is not offered to this user.
     #[error("nobody offers you control of this run: request it (\"move\": \"request\")")]
     NotOffered,
     /// Control has passed since the command was decided on.
@@ -92,26 +92,26 @@ pub(super) enum Denied {
         /// The epoch in force.
         epoch: u64,
     },
-    /// There is a limit.
+    /// Too many requests for control are pending.
     #[error(
         "{REQUESTS_MAX} users ask for control of this run already: wait until some of them have withdrawn"
     )]
     TooMany,
 }
 
-/// A command whose author has to be in control.
+/// A command that requires control.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GivenCommand<'c> {
-    /// The author.
+    /// Author of the command.
     pub(super) user: &'c str,
-    /// Id, with the author's name before it.
+    /// Id, prefixed by the author's name.
     pub(super) id: &'c str,
-    /// The epoch of authority under which the author decided, if it is known.
+    /// The epoch under which the author decided, if known.
     pub(super) epoch: Option<u64>,
 }
 
 impl Holding {
-    /// What was kept, by whoever looks after the run from `now_ms` on.
+    /// Restores the stored state on a server that serves the run from `now_ms` on.
     pub(super) fn go_on(mut self, now_ms: u64) -> Self {
         if let Some(holder) = &mut self.holder {
             holder.heard_ms = now_ms;
@@ -119,7 +119,7 @@ impl Holding {
         self
     }
 
-    /// The calendar was set by so many ms: nobody was silent longer or shorter for that.
+    /// The clock was set by `step_ms`. Shifts all times, so that the silence stays correct.
     pub(super) fn shift(&mut self, step_ms: i64) {
         if let Some(holder) = &mut self.holder {
             for time in [&mut holder.since_ms, &mut holder.heard_ms] {
@@ -128,17 +128,17 @@ impl Holding {
         }
     }
 
-    /// The user who holds it.
+    /// The user who holds control.
     pub(super) fn holder(&self) -> Option<&str> {
         self.holder.as_ref().map(|holder| holder.user.as_str())
     }
 
-    /// The epoch of authority.
+    /// The current epoch of authority.
     pub(super) fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    /// Whether what was decided under this epoch still counts.
+    /// Denies a decision under an epoch that is no longer valid.
     fn check_epoch(&self, decided: Option<u64>) -> Result<(), Denied> {
         let is_valid = |decided: &u64| (self.valid_from..=self.epoch).contains(decided);
         match decided.filter(|decided| !is_valid(decided)) {
@@ -147,7 +147,7 @@ impl Holding {
         }
     }
 
-    /// How it is told.
+    /// The state of control for clients.
     pub(super) fn told(&self, silence: Duration) -> Control {
         let holder = self.holder.as_ref();
         Control {
@@ -161,7 +161,7 @@ impl Holding {
         }
     }
 
-    /// Someone was heard; true if it is the holder.
+    /// Notes activity of a user. Returns `true` for the holder.
     pub(super) fn heard(&mut self, user: &str, now_ms: u64) -> bool {
         match &mut self.holder {
             Some(holder) if holder.user == user => {
@@ -172,7 +172,7 @@ impl Holding {
         }
     }
 
-    /// Someone commands: the first takes control, all but the holder are denied. Commands that everyone may give are not checked here.
+    /// Checks a command. The first author takes control; others than the holder are denied. Skip it for commands open to everyone.
     pub(super) fn command(
         &mut self,
         GivenCommand { user, id, epoch }: GivenCommand<'_>,
@@ -196,8 +196,8 @@ impl Holding {
         Ok(())
     }
 
-    /// The run refused a command. If it was the only one of a user who took control by it, control is free again, and what others
-    /// decided before it still counts.
+    /// The run refused a command. If its author took control by it and gave no other, control is released, and earlier decisions of
+    /// others are valid again.
     pub(super) fn refused(&mut self, id: &str, now_ms: u64) {
         let first = self.holder.as_ref().and_then(|holder| holder.first.as_ref());
         let Some(FirstCommand { valid_from, .. }) = first.filter(|first| first.id == id).cloned()
@@ -210,7 +210,7 @@ impl Holding {
         }
     }
 
-    /// Someone wants something about control.
+    /// Applies a user's request about control.
     pub(super) fn apply(
         &mut self,
         user: &str,
@@ -270,7 +270,7 @@ impl Holding {
         self.requests.retain(|other| other != user);
     }
 
-    /// A user who requested control gets it; anyone else has to accept it first.
+    /// Gives control to a user who requested it, or offers it to any other user.
     fn hand_over(&mut self, to: &str, now_ms: u64) {
         if self.requests.iter().any(|other| other == to) || self.holder() == Some(to) {
             self.give(to, now_ms);
@@ -303,7 +303,7 @@ impl Holding {
         Ok(())
     }
 
-    /// Whether it is this user who holds it.
+    /// Denies users other than the holder.
     fn own(&self, user: &str, silence: Duration) -> Result<(), Denied> {
         match &self.holder {
             None => Err(Denied::Nobody),
@@ -312,7 +312,7 @@ impl Holding {
         }
     }
 
-    /// Who asked first gets it, if anyone did.
+    /// Releases control. The first pending request gets it.
     fn let_go(&mut self, now_ms: u64) {
         self.holder = None;
         self.offered_to = None;
@@ -327,7 +327,7 @@ impl Holding {
         self.requests.retain(|other| other != user);
         self.offered_to = None;
         if self.holder() != Some(user) {
-            // Who takes it from nobody has not seen yet that it has passed.
+            // The new holder has taken it from nobody and cannot have seen the new epoch.
             let (was_free, before) = (self.holder.is_none(), self.epoch);
             self.pass();
             if was_free {
@@ -342,7 +342,7 @@ impl Holding {
         }
     }
 
-    /// Control passes: what was decided before is void.
+    /// Starts a new epoch: earlier decisions are void.
     fn pass(&mut self) {
         self.epoch += 1;
         self.valid_from = self.epoch;

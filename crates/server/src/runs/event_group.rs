@@ -1,38 +1,38 @@
-//! Some events of a run as its runner sent them, and as clients are told them: their texts are made when a first client wants
-//! them, once for all. Knows how events are spelled, but not who reads them.
+//! A group of events as received from the runner, with their texts for clients. Each text is made once, at the first request.
+//! Knows the encoding of events, but not their readers.
 
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_storage::journal::is_about_values;
 use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
 use std::sync::{Arc, OnceLock};
 
-/// Events that follow one another.
+/// Consecutive events of a run.
 #[derive(Debug)]
 pub(crate) struct EventGroup {
-    /// Number of the first.
+    /// Number of the first event.
     pub(super) first: u64,
-    /// Number of the event that follows them.
+    /// Number after the last event.
     pub(super) next: u64,
-    /// The time of the event before them.
+    /// Time of the event before the first.
     pub(super) t_before: u64,
-    /// The events as items of the journal, without definitions.
+    /// The events as journal items, without definitions.
     pub(super) items: Box<[u8]>,
     definitions: Arc<StreamDefinitions>,
     whole: OnceLock<Vec<EventText>>,
     bare: OnceLock<Vec<EventText>>,
 }
 
-/// One event as clients are told it.
+/// Text of one event for clients.
 #[derive(Debug)]
 pub(crate) struct EventText {
-    /// Its number.
+    /// Number of the event.
     pub(crate) sequence: u64,
-    /// A [`HistoryEntry`] as JSON; nothing if it is about values only and none are wanted.
+    /// A [`HistoryEntry`] as JSON. `None` if the event concerns only values and they are excluded.
     pub(crate) text: Option<Box<str>>,
 }
 
 impl EventGroup {
-    /// The events of a block up to before number `next`, named as `definitions` say.
+    /// The events of a block before number `next`, with names from `definitions`.
     pub(super) fn new(
         block: EventBlock<'_>,
         next: u64,
@@ -49,7 +49,7 @@ impl EventGroup {
         }
     }
 
-    /// The texts of all its events, with or without values.
+    /// The texts of all events, with or without values.
     pub(crate) fn texts(&self, values: bool) -> &[EventText] {
         let texts = if values { &self.whole } else { &self.bare };
         texts.get_or_init(|| self.spell(values))
@@ -66,7 +66,7 @@ impl EventGroup {
                 let text = entry.and_then(|entry| serde_json::to_string(&entry).ok());
                 Some(EventText { sequence, text: text.map(String::into_boxed_str) })
             }
-            // There are no others: what was read once is read again.
+            // Cannot occur: the block was already read once.
             Ok(StreamItem::Place { .. } | StreamItem::Value { .. }) | Err(_) => None,
         });
         events.collect()

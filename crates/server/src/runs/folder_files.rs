@@ -1,5 +1,5 @@
-//! What a server keeps in the folder of a run, so that another server knows: who commands it; and, written down before it is
-//! started or resumed, who asked for that, by which id, and since when this computer is up. Knows nothing of the rules.
+//! Files of the server in a run's folder, for the next server: the state of control, and the request to start or resume the run.
+//! The request has its author, its id and the current boot of the computer. Knows no rules.
 
 use super::control::Holding;
 use rafcon_protocol::api::{MachineFile, StartRun};
@@ -10,65 +10,65 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::time::Duration;
 
-/// The file of a request.
+/// Name of the file with the request.
 const REQUEST_FILE: &str = "request.json";
-/// The file of who holds control.
+/// Name of the file with the state of control.
 const CONTROL_FILE: &str = "control.json";
-/// So long a run that has not begun waits for the same request.
+/// Time for which a run that has not begun waits for a repeated request.
 const REMEMBERED: Duration = Duration::from_hours(24);
-/// Where Linux tells one start of the computer from another.
+/// File in which Linux identifies the current boot.
 const BOOT_FILE: &str = "/proc/sys/kernel/random/boot_id";
 
-/// What a server was asked about one run.
+/// Requests about one run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct RunRequest {
-    /// Who asked first.
+    /// Author of the first request.
     pub(super) author: String,
-    /// When it was asked last, this computer had been started as this.
+    /// Boot of the computer at the last request.
     pub(super) boot: String,
-    /// What was started; nothing if the run was only resumed here.
+    /// The request to start. `None` if the run was only resumed here.
     #[serde(default)]
     pub(super) start: Option<StartRun>,
-    /// By which it was resumed: authors with their ids.
+    /// Keys of the requests that resumed it.
     #[serde(default)]
     pub(super) resumed: Vec<String>,
-    /// By which it was about to be resumed when this was written: whether a runner was started is not known.
+    /// Key of a pending request to resume it. It is unknown whether its runner was started.
     #[serde(default)]
     pub(super) resuming: Option<String>,
-    /// No one resumes the run by itself any more: someone has to decide.
+    /// The run is no longer resumed automatically: a user has to decide.
     #[serde(default)]
     pub(super) is_left_alone: bool,
 }
 
 impl RunRequest {
-    /// That a run is started.
+    /// The record of a new request to start.
     pub(super) fn to_start(author: &str, start: StartRun) -> Self {
         Self { author: author.to_owned(), boot: boot(), start: Some(start), ..Self::default() }
     }
 
-    /// What was asked about the run in `folder`; nothing if no server was.
+    /// The record in `folder`. `None` if it does not exist or is invalid.
     pub(super) fn read(folder: &Path) -> Option<Self> {
         serde_json::from_slice(&fs::read(folder.join(REQUEST_FILE)).ok()?).ok()
     }
 
-    /// Whether no one will ask again for the run in `folder`, which has not begun.
+    /// The run in `folder` has not begun, and its request is too old to be repeated.
     pub(super) fn is_forgotten(folder: &Path) -> bool {
         let written = fs::metadata(folder.join(REQUEST_FILE)).and_then(|about| about.modified());
         let age = written.ok().and_then(|written| written.elapsed().ok());
         age.is_some_and(|age| age > REMEMBERED)
     }
 
-    /// Writes it down, safe from a power cut.
+    /// Writes the record. It survives a power cut.
     pub(super) fn write(&self, folder: &Path) -> io::Result<()> {
         replace(&folder.join(REQUEST_FILE), &serde_json::to_vec(self)?, true)
     }
 
-    /// Nothing was asked after all.
+    /// Removes the record from the folder.
     pub(super) fn remove(folder: &Path) -> io::Result<()> {
         fs::remove_file(folder.join(REQUEST_FILE))
     }
 
-    /// The same, about to be resumed by someone.
+    /// The record with a pending request to resume.
     pub(super) fn resuming(mut self, author: &str, id: &str) -> Self {
         if self.start.is_none() && self.resumed.is_empty() {
             author.clone_into(&mut self.author);
@@ -78,14 +78,14 @@ impl RunRequest {
         self
     }
 
-    /// The same, with a runner.
+    /// The record after the runner was started.
     pub(super) fn resumed(mut self) -> Self {
         self.resumed.extend(self.resuming.take());
         self
     }
 
-    /// True if this request of the author resumed the run, false if not; none if the server that began it may have died before the
-    /// program ran, or after.
+    /// `Some(true)` if this request of the author resumed the run, `Some(false)` if not. `None` if the server may have crashed before or
+    /// after the start of the program.
     pub(super) fn was_resumed(&self, author: &str, id: &str, is_live: bool) -> Option<bool> {
         let key = key(author, id);
         if self.resumed.contains(&key) {
@@ -97,49 +97,49 @@ impl RunRequest {
         Some(false)
     }
 
-    /// What tells a request to start a run from all other requests.
+    /// Unique key of a request to start a run.
     pub(super) fn start_key(author: &str, id: &str) -> String {
         format!("start/{}", key(author, id))
     }
 
-    /// The same of what was started here.
+    /// The key of the request that started this run.
     pub(super) fn key(&self) -> Option<String> {
         self.start.as_ref().map(|start| Self::start_key(&self.author, &start.id))
     }
 
-    /// The machine, as it was named.
+    /// The machine that the request names.
     pub(super) fn machine(&self) -> Option<&MachineFile> {
         self.start.as_ref().map(|start| &start.machine)
     }
 
-    /// Whether a run that is found dead is resumed without being asked: this computer was not started anew since.
+    /// A crashed run is resumed automatically: the computer was not restarted since.
     pub(super) fn may_go_on(&self) -> bool {
         !self.is_left_alone && !self.boot.is_empty() && self.boot == boot()
     }
 }
 
-/// Ids are their author's own: those of others are others.
+/// Unique key of a request. Ids are unique per author.
 pub(super) fn key(author: &str, id: &str) -> String {
     format!("{author}/{id}")
 }
 
-/// This start of the computer; empty where it cannot be told.
+/// Id of the current boot. Empty if unknown.
 fn boot() -> String {
     fs::read_to_string(BOOT_FILE).unwrap_or_default().trim().to_owned()
 }
 
-/// What the run in `folder` keeps; no one holds it if it keeps nothing that can be read.
+/// State of control stored in `folder`. Without a valid file, nobody holds control.
 pub(super) fn read_holding(folder: &Path) -> Holding {
     let bytes = fs::read(folder.join(CONTROL_FILE)).unwrap_or_default();
     serde_json::from_slice(&bytes).unwrap_or_default()
 }
 
-/// Keeps it: there is the old file or the new one, whatever happens.
+/// Stores the state of control atomically.
 pub(super) fn write_holding(folder: &Path, holding: &Holding) -> io::Result<()> {
     replace(&folder.join(CONTROL_FILE), &serde_json::to_vec(holding)?, false)
 }
 
-/// Writes a file for its owner only, as a whole; with `synced` it outlives a power cut.
+/// Replaces a file atomically, readable for its owner only. With `synced`, it survives a power cut.
 fn replace(path: &Path, bytes: &[u8], synced: bool) -> io::Result<()> {
     let fresh = path.with_extension("new");
     let mut options = OpenOptions::new();

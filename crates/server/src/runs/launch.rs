@@ -1,5 +1,5 @@
-//! Starting a runner that outlives the server, until it says that its run begins. Knows processes, but not why one is
-//! started. Takes its time: never on a thread that talks.
+//! Starts a runner that outlives the server, and waits until its run begins. Knows processes, but not the reason of a start.
+//! Slow: call it only on a blocking thread.
 
 use super::leftovers::{OUTPUT_FILE, last_line};
 use crate::Settings;
@@ -15,59 +15,59 @@ use std::thread;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// How long a machine may take to load.
+/// Timeout for loading a machine.
 const LOAD_TIMEOUT: Duration = Duration::from_mins(2);
 
-/// A runner whose run begins.
+/// A started runner whose run begins.
 #[derive(Debug)]
 pub(super) struct Launched {
-    /// What it goes by, if it said so.
+    /// Facts about its machine, if it sent them.
     pub(super) loaded: Option<LoadedMachine>,
-    /// While it is open, the run knows that someone looks on.
+    /// Open connection, which counts as a viewer of the run.
     pub(super) control: UnixStream,
-    /// How its process ended, once it has.
+    /// Receives the exit of its process.
     pub(super) exit: oneshot::Receiver<Exit>,
 }
 
-/// Why there is no run.
+/// The run could not be started.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LaunchError {
-    /// There is no process.
+    /// The process was not started.
     #[error(transparent)]
     Start(#[from] StartError),
-    /// Its end could not be waited for.
+    /// No thread is available to wait for its exit.
     #[error("the system gave no thread to look after the runner")]
     Thread(#[source] io::Error),
-    /// It could not be told what to run.
+    /// The request could not be sent to it.
     #[error(transparent)]
     Begin(#[from] BeginError),
     /// The machine could not be loaded.
     #[error("{0}")]
     Load(String),
-    /// It ended before the run began.
+    /// It exited before the run began.
     #[error("the interpreter ended before the run began ({exit}){}", last(said))]
     Ended {
-        /// How.
+        /// Exit status of its process.
         exit: String,
-        /// Its last words.
+        /// Last line of its output.
         said: String,
     },
-    /// Its end was not seen.
+    /// Its exit status is unknown.
     #[error("the runner ended, and how is not known")]
     Lost,
-    /// It said nothing for a long time.
+    /// It sent no message within the timeout.
     #[error("the machine was not loaded within {} s: the runner was ended", LOAD_TIMEOUT.as_secs())]
     Silent(#[source] io::Error),
-    /// It says something else than this protocol.
+    /// Its message does not follow the protocol.
     #[error("the runner's words make no sense")]
     Frame(#[from] FrameError),
-    /// It is of another version.
+    /// Its version of the protocol differs.
     #[error(transparent)]
     Version(#[from] VersionMismatch),
 }
 
 impl LaunchError {
-    /// Whether the runner died before it could say anything, which another may not.
+    /// The runner died before its first message. Another attempt may succeed.
     pub(super) fn is_death(&self) -> bool {
         matches!(self, Self::Ended { .. } | Self::Lost | Self::Begin(BeginError::Gone(_)))
     }
@@ -77,15 +77,15 @@ fn last(said: &str) -> String {
     if said.is_empty() { String::new() } else { format!(": {said}") }
 }
 
-/// What a runner said first.
+/// First message of a runner.
 enum FirstMessage {
     Begun(Option<LoadedMachine>),
     Refused(String),
     Gone,
 }
 
-/// Starts a runner for the run in `folder`, and waits until it says that the run begins. One that dies before it can say so,
-/// after something has happened in the run, has begun it.
+/// Starts a runner for the run in `folder`, and waits until it reports the start of the run. If it dies before, but the run has new
+/// events, the run counts as started.
 pub(super) fn launch(
     settings: &Settings,
     folder: &Path,
@@ -115,26 +115,26 @@ pub(super) fn launch(
     Err(LaunchError::Ended { exit: ended.to_string(), said })
 }
 
-/// How many events the run in `folder` has; nothing if it has not begun.
+/// Number of events in the run in `folder`. `None` if it has not begun.
 fn events(folder: &Path) -> Option<u64> {
     let reader = Reader::open(folder).and_then(|reader| reader.last_sequence());
     has_begun(folder).then(|| reader.unwrap_or_default())
 }
 
-/// The end of a process that is known already.
+/// A receiver with a known exit.
 fn known(exit: Exit) -> oneshot::Receiver<Exit> {
     let (ended, receiver) = oneshot::channel();
-    // The receiver is here.
+    // The receiver exists.
     ended.send(exit).unwrap_or_default();
     receiver
 }
 
-/// Waits for the end of a process, so that nothing of it stays behind.
+/// Waits for the exit of a process on a thread, so that no zombie remains.
 fn reap(mut child: Child) -> io::Result<oneshot::Receiver<Exit>> {
     let (ended, exit) = oneshot::channel();
     let wait = move || {
         let status = child.wait().unwrap_or_default();
-        // No one may want to know.
+        // The receiver may have been dropped.
         ended.send(Exit(status)).unwrap_or_default();
     };
     thread::Builder::new().name("runner".to_owned()).stack_size(64 * 1024).spawn(wait)?;
@@ -162,7 +162,7 @@ fn hear(control: &UnixStream) -> Result<FirstMessage, LaunchError> {
     }
 }
 
-/// What was read; nothing if the connection broke.
+/// The result of a read. `None` if the connection broke.
 fn heard<T>(read: io::Result<T>) -> Result<Option<T>, LaunchError> {
     match read {
         Ok(read) => Ok(Some(read)),

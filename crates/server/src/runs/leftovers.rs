@@ -1,5 +1,5 @@
-//! What a runner left: what it and its scripts wrote past the capture of script output, and how it ended, as its journal and its
-//! marks say. Reads a bounded piece of each; decides nothing.
+//! Leftovers of a runner: its uncaptured output, and the cause of its end according to the journal and its marks. Reads a bounded
+//! part of each; decides nothing.
 
 use crate::Failure;
 use rafcon_protocol::api::RunOutput;
@@ -10,16 +10,16 @@ use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
-/// What a runner and its scripts write past the capture of script output, in the run's folder.
+/// File in the run's folder with the output of a runner and its scripts that is not captured as script output.
 pub(super) const OUTPUT_FILE: &str = "output";
-/// So many of its last lines are kept.
+/// Number of last lines in a report.
 const LINES: usize = 12;
-/// So much is read if no one says how much.
+/// Default size of the part that is read, in bytes.
 pub(super) const USUAL_BYTES: u64 = 64 * 1024;
-/// So much is read at most.
+/// Maximum size of the part that is read, in bytes.
 pub(super) const BYTES_MAX: u64 = 1 << 20;
 
-/// The last `bytes` of what the run in `folder` wrote; nothing if it wrote nothing.
+/// The last `bytes` of the output of the run in `folder`. Empty without output.
 pub(super) fn tail(folder: &Path, bytes: u64) -> Result<RunOutput, Failure> {
     match read(&folder.join(OUTPUT_FILE), bytes.min(BYTES_MAX)) {
         Ok(output) => Ok(output),
@@ -31,7 +31,7 @@ pub(super) fn tail(folder: &Path, bytes: u64) -> Result<RunOutput, Failure> {
     }
 }
 
-/// The last line of a file that says something; empty if there is none.
+/// The last line of a file that is not blank. Empty if it has none.
 pub(super) fn last_line(file: &Path) -> String {
     let text = read(file, USUAL_BYTES).map(|output| output.text).unwrap_or_default();
     text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().to_owned()
@@ -54,7 +54,7 @@ fn read(file: &Path, bytes: u64) -> io::Result<RunOutput> {
     Ok(RunOutput { text: String::from_utf8_lossy(&text).into_owned(), from, bytes: length })
 }
 
-/// How the last runner of the run in `folder` ended; `exit` is known of a process of our own.
+/// Cause of death of the last runner of the run in `folder`. `exit` is known only for the server's own process.
 pub(super) fn death(folder: &Path, exit: Option<Exit>) -> RunnerDeath {
     let reason =
         exit.map_or_else(|| "the runner ended before the run".to_owned(), |exit| exit.to_string());

@@ -1,7 +1,7 @@
-//! The connection to the runner of one run: its events go into the ring as they are, its snapshots become the truth, commands go out and
-//! their answers come back. One for each run in progress.
+//! The connection to the runner of one run. Its events go into the ring, its snapshots become the current state, and its replies
+//! complete the commands. One for each active run.
 //!
-//! Knows the protocol. Does not know who commands, who follows, or what becomes of a run whose runner is gone.
+//! Knows the protocol. Does not know the authors of commands, the viewers, or the handling of a run without a runner.
 
 use super::pulse::{self, Liveness, RunnerPulse};
 use super::run::Run;
@@ -15,10 +15,10 @@ use tokio::io::{AsyncWriteExt as _, BufReader};
 use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::sync::{mpsc, oneshot};
 
-/// So many commands may be on their way.
+/// Capacity of the queue of commands.
 const COMMANDS_MAX: usize = 256;
 
-/// The way to a runner, for as long as it stands.
+/// An open connection to a runner.
 #[derive(Debug)]
 pub(super) struct Link {
     out: mpsc::Sender<Vec<u8>>,
@@ -31,27 +31,27 @@ struct Waiting {
     answers: BTreeMap<String, Vec<oneshot::Sender<Answer>>>,
 }
 
-/// Connection to the runner of a run, which comes and goes.
+/// The current connection to the runner of a run, if any.
 #[derive(Debug, Default)]
 pub(super) struct RunnerLink(Mutex<HeldLink>);
 
 #[derive(Debug, Default)]
 struct HeldLink {
     link: Option<Arc<Link>>,
-    /// Note about control that waits for a connection.
+    /// A note about control that waits for a connection.
     note: Option<Envelope>,
 }
 
-/// Why a command is not on its way.
+/// Reason why a command was not sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NotSent {
-    /// The link is gone.
+    /// The link is closed.
     Gone,
-    /// Too many are on their way already.
+    /// Too many commands are pending.
     Busy,
 }
 
-/// Connects to the runner and follows it until the connection ends; `is_up` is called when it stands.
+/// Connects to the runner and follows it until the connection ends. Calls `is_up` once connected.
 pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkError> {
     let join = Join { from: run.ring().next(), every_event: true };
     let RunnerConnection { loaded, frames, out } = open(run.folder().to_path_buf(), join).await?;
@@ -80,7 +80,7 @@ impl RunnerLink {
         self.0.lock().link.clone()
     }
 
-    /// Takes a connection, and sends the note that waits for one.
+    /// Sets the connection, and sends the pending note.
     pub(super) fn connect(&self, link: &Arc<Link>) {
         let note = {
             let mut held = self.0.lock();
@@ -106,7 +106,7 @@ impl RunnerLink {
             };
             Arc::clone(link)
         };
-        // The answer has nothing new.
+        // The reply to a note is not needed.
         if link.send(&note).is_err() {
             self.0.lock().note = Some(note);
         }
@@ -114,7 +114,7 @@ impl RunnerLink {
 }
 
 impl Link {
-    /// Sends a command; its answer comes, or the link is lost.
+    /// Sends a command. The receiver gets the reply, or an error if the link is lost.
     pub(super) fn send(&self, envelope: &Envelope) -> Result<oneshot::Receiver<Answer>, NotSent> {
         self.send_message(&envelope.id, &ToRunner::Command(envelope.clone()))
     }
@@ -138,7 +138,7 @@ impl Link {
         Ok(answered)
     }
 
-    /// Sends a wish about control to the robot of a replica; its answer comes, or the link is lost.
+    /// Sends a change of control to the robot of a replica. The receiver gets the reply, or an error if the link is lost.
     pub(super) fn move_control(
         &self,
         id: String,
@@ -149,28 +149,28 @@ impl Link {
         self.send_message(&id.clone(), &ToRunner::MoveControl { id, author, wanted })
     }
 
-    /// Tells the robot of a replica that this user is here.
+    /// Reports to the robot of a replica that this user is active.
     pub(super) fn tell_present(&self, user: &str) {
         if let Ok(line) = encode(&ToRunner::Present { user: user.to_owned() }) {
-            // It is told again.
+            // The report is repeated.
             self.out.try_send(line).unwrap_or_default();
         }
     }
 
-    /// Tells the station of a replica what is watched.
+    /// Sends the watched targets to the station of a replica.
     pub(super) fn watch(&self, targets: Vec<WatchTarget>) {
         if let Ok(line) = encode(&ToRunner::Watch { targets }) {
-            // Without room for it, it is told with the next change.
+            // If the queue is full, the next change sends them.
             self.out.try_send(line).unwrap_or_default();
         }
     }
 
-    /// Whether a command has not been answered yet: the runner takes one after the other.
+    /// A command is pending. The runner processes commands in order.
     pub(super) fn is_busy(&self) -> bool {
         !self.waiting.lock().answers.is_empty()
     }
 
-    /// Asks the runner whether it is there. One that has no room for the question says something as soon as it has.
+    /// Pings the runner. With a full queue, its next message serves as the reply.
     pub(super) fn ask(&self) {
         if let Ok(line) = encode(&ToRunner::Ping { id: 0 }) {
             self.out.try_send(line).unwrap_or_default();
@@ -180,12 +180,12 @@ impl Link {
     fn answered(&self, id: &str, answer: &Answer) {
         let waiting = self.waiting.lock().answers.remove(id);
         for asker in waiting.into_iter().flatten() {
-            // Whoever does not wait any more can ask again.
+            // The sender may have stopped waiting.
             asker.send(answer.clone()).unwrap_or_default();
         }
     }
 
-    /// Whoever waits is told that the link is lost.
+    /// Ends all waits with a lost link.
     fn close(&self) {
         *self.waiting.lock() = Waiting { is_closed: true, answers: BTreeMap::new() };
     }
@@ -219,7 +219,7 @@ async fn read(
     Ok(())
 }
 
-/// What a runner says beside events.
+/// Handles a message of the runner that is not an event.
 fn said(content: &[u8], run: &Run, link: &Link) {
     match serde_json::from_slice::<ToViewer>(content) {
         Ok(ToViewer::Snapshot(snapshot)) => run.stands(snapshot),
@@ -228,13 +228,13 @@ fn said(content: &[u8], run: &Run, link: &Link) {
         Ok(ToViewer::Pong { link: Some(link), .. }) => run.robot_stands(*link),
         Ok(ToViewer::Control(control)) => run.robot_controls(control),
         Ok(ToViewer::Watched { watching, values }) => run.watched().take(watching, values),
-        // What a link does not ask for, and what a newer runner may say.
+        // Messages that a link never requests, and those of newer runners.
         Ok(
             ToViewer::Loaded { .. }
             | ToViewer::LoadFailed { .. }
             | ToViewer::Inspection { .. }
             | ToViewer::Event { .. }
-            // That it was said is what matters.
+            // A plain pong only proves that the runner is alive.
             | ToViewer::Pong { .. },
         )
         | Err(_) => {}

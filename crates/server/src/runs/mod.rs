@@ -1,7 +1,7 @@
-//! Runs: which there are, how they begin, how they stand, who commands them.
+//! Runs: their list, start, state and control.
 //!
-//! Every run is a folder; one that continues is a process that lives without the server, and is spoken with over the socket in its
-//! folder. Knows nothing of HTTP beyond its own routes, nor what a runner does with what it is told.
+//! Each run is a folder. An active run has a separate process, which outlives the server and is reached over the socket in that
+//! folder. Knows HTTP only for its own routes. Does not know the effect of commands in a runner.
 
 mod at_robot;
 mod authority;
@@ -53,31 +53,31 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch as tokio_watch};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-/// So many runners are started at a time: each holds a thread until its machine is loaded.
+/// Maximum number of parallel starts: each holds a thread until its machine is loaded.
 const LAUNCHES: usize = 4;
-/// How long a start waits for its turn.
+/// Timeout for a slot to start.
 const TURN_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// How long the disk is asked what runs take.
+/// Timeout for measuring the runs on disk.
 const DISK_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// All runs.
+/// Active and finished runs.
 #[derive(Debug)]
 pub(crate) struct Runs {
     folder: Folder,
     all: Mutex<BTreeMap<String, Arc<Run>>>,
     requests: StartRequests,
     launches: Arc<Semaphore>,
-    /// Taken while the disk is asked what runs take.
+    /// Held while the runs on disk are measured.
     measuring: Arc<Semaphore>,
-    /// Whether the folder was looked through.
+    /// `true` once the folder was read.
     known: tokio_watch::Sender<bool>,
     watch: Mutex<Option<watch::RunFolderWatch>>,
     news: tokio_watch::Sender<u64>,
 }
 
 impl Runs {
-    /// The runs in the folder of the settings; none is known yet.
+    /// The runs in the folder of the settings, before it is read.
     pub(crate) fn new(settings: &Settings, news: &ChangeCounters) -> Result<Self, MakeError> {
         Ok(Self {
             folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
@@ -91,17 +91,17 @@ impl Runs {
         })
     }
 
-    /// Where their folders lie.
+    /// Folder that contains the runs' folders.
     pub(crate) fn folder(&self) -> &Folder {
         &self.folder
     }
 
-    /// All runs in one line each, the newest first.
+    /// Summaries of all runs, newest first.
     pub(crate) async fn list(&self) -> Vec<RunSummary> {
         self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
         let plain = || runs.iter().map(|run| run.summary()).collect();
-        // A disk that does not answer keeps no one from seeing what happens, and one thread at most.
+        // A disk that hangs delays nobody's list, and blocks at most one thread.
         let Ok(turn) = Arc::clone(&self.measuring).try_acquire_owned() else { return plain() };
         let measured = runs.clone();
         let measure = spawn_blocking(move || {
@@ -111,7 +111,7 @@ impl Runs {
         timeout(DISK_TIMEOUT, measure).await.ok().and_then(Result::ok).unwrap_or_else(plain)
     }
 
-    /// Runs in progress, and those that changed since the server began; the newest first.
+    /// Active runs, and those that changed since the server started; newest first.
     pub(crate) async fn lively(&self) -> Vec<RunSummary> {
         self.wait_until_known().await;
         let runs: Vec<_> = self.all.lock().values().rev().cloned().collect();
@@ -131,7 +131,7 @@ impl Runs {
         })
     }
 
-    /// Someone was heard: who holds control of a run is not silent.
+    /// Notes activity of a user, who is then not silent as the holder of control.
     pub(crate) fn heard(&self, user: &str) {
         let now_ms = clock::since_1970_ms();
         let runs: Vec<_> = self.all.lock().values().filter(|run| run.is_live()).cloned().collect();
@@ -140,7 +140,7 @@ impl Runs {
         }
     }
 
-    /// The folders of those that are known.
+    /// The folders of the known runs.
     fn folders(&self) -> Vec<PathBuf> {
         self.all.lock().values().map(|run| run.folder().to_path_buf()).collect()
     }
@@ -149,19 +149,18 @@ impl Runs {
         self.all.lock().get(id).cloned()
     }
 
-    /// Waits until the folder was looked through.
-    /// True once the folder has been read.
+    /// The folder has been read, so all runs are known.
     pub(crate) fn are_known(&self) -> bool {
         *self.known.borrow()
     }
 
     async fn wait_until_known(&self) {
         let mut known = self.known.subscribe();
-        // The sender lives as long as we do.
+        // The sender lives as long as this function.
         drop(known.wait_for(|known| *known).await);
     }
 
-    /// The turn of someone who wants a runner started: as soon as there are few enough before them.
+    /// Waits for a slot to start a runner.
     async fn turn(&self) -> Result<OwnedSemaphorePermit, Failure> {
         let turn = timeout(TURN_TIMEOUT, Arc::clone(&self.launches).acquire_owned()).await;
         turn.ok().and_then(Result::ok).ok_or_else(|| {
@@ -170,7 +169,7 @@ impl Runs {
         })
     }
 
-    /// This is what was found in the folder of a run; nothing if it is none, or none any more.
+    /// Applies the content of a run's folder. `None` removes a folder that is not a run, or no longer.
     fn found(
         &self,
         server: &ServerState,
@@ -197,7 +196,7 @@ impl Runs {
         }
         all.insert(looked.summary.id.clone(), Arc::clone(&run));
         drop(all);
-        // It may have been deleted since it was looked at.
+        // The folder may have been deleted since it was read.
         if !folder.is_dir() {
             self.forget_folder(folder);
             return None;
@@ -218,18 +217,18 @@ impl Runs {
         Some(run)
     }
 
-    /// The folder of a run is there no more.
+    /// Removes a run whose folder was deleted.
     pub(crate) fn forget_folder(&self, folder: &Path) {
         let id = folder.file_name().unwrap_or_default().to_string_lossy();
         let gone = self.all.lock().remove(&*id);
         if let Some(run) = gone {
-            // Whoever follows it still is told.
+            // Notifies its remaining viewers.
             run.set_phase(RunPhase::Unreadable { reason: "its folder is gone".to_owned() });
         }
     }
 }
 
-/// Finds the runs that there are, and notices those that come. To be called once, within the runtime.
+/// Finds the existing runs and watches for new ones. Call once, within the runtime.
 pub(crate) fn begin(server: &Arc<ServerState>) {
     let server = Arc::clone(server);
     tokio::spawn(async move {
@@ -240,7 +239,7 @@ pub(crate) fn begin(server: &Arc<ServerState>) {
     });
 }
 
-/// Looks into every folder. The first look of a server decides what becomes of runs that died while no one looked.
+/// Reads all folders. The first read decides the fate of runs that crashed while the server was down.
 async fn look_through(server: &Arc<ServerState>) {
     let here = Arc::clone(server);
     let all = spawn_blocking(move || {

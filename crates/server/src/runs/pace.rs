@@ -1,17 +1,17 @@
-//! When those who follow a run are told next, so that a run on the same computer does not feel how many they are.
+//! Schedules the updates of a run's followers, so that their number does not slow down a run on this computer.
 //!
-//! Knows times only.
+//! Knows only times.
 
 use rafcon_locks::Mutex;
 use std::time::Duration;
 use tokio::time::Instant;
 
-/// Each of them is told at most this often.
+/// Minimum interval between updates of one follower.
 const INTERVAL: Duration = Duration::from_millis(20);
-/// No two of them are told closer together, whoever they are: many are told less often, and never all at once.
+/// Minimum interval between any two updates: with many followers, each is updated less often, and never all at once.
 const SPACING: Duration = Duration::from_micros(2_500);
 
-/// The times at which the followers of one run are told.
+/// Schedule of updates for the followers of one run.
 #[derive(Debug)]
 pub(crate) struct Pace {
     latest: Mutex<Instant>,
@@ -22,7 +22,7 @@ impl Pace {
         Self { latest: Mutex::new(Instant::now()) }
     }
 
-    /// When somebody who has just been told something is told again.
+    /// Time of the next update for a follower that was just updated.
     pub(crate) fn next_time(&self) -> Instant {
         let mut latest = self.latest.lock();
         *latest = (*latest + SPACING).max(Instant::now() + INTERVAL);
@@ -37,7 +37,7 @@ mod tests {
     use std::fmt::Write as _;
     use tokio::time::{Instant, sleep_until};
 
-    /// When each of so many is told, who are all told at the begin, and again whenever it is time; in µs.
+    /// Update times of each follower, in µs. All start at once and are updated as soon as they are due.
     async fn told(followers: usize, times: usize) -> String {
         let (pace, begin) = (Pace::new(), Instant::now());
         let mut due = vec![begin; followers];

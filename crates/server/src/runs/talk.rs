@@ -1,7 +1,7 @@
-//! The first words with a runner that is joined, and short talks: one question, one answer, on a connection of its own. So a
-//! question that takes its time holds up no command.
+//! The handshake with a runner, and short exchanges: one question and one answer on a separate connection, so that a slow question
+//! delays no command.
 //!
-//! Knows how a run is joined. Does not know what the words lead to.
+//! Knows the handshake. Does not know the effect of messages.
 
 use rafcon_protocol::api::LoadedMachine;
 use rafcon_protocol::{
@@ -16,45 +16,45 @@ use tokio::io::{AsyncBufReadExt as _, AsyncReadExt as _, AsyncWriteExt as _, Buf
 use tokio::net::UnixStream;
 use tokio::net::unix::{OwnedReadHalf, OwnedWriteHalf};
 
-/// How much is read at once.
+/// Size of the read buffer, in bytes.
 const BUFFER_BYTES: usize = 256 * 1024;
 
-/// Why a runner is not spoken with.
+/// Reason why communication with a runner failed.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum LinkError {
-    /// No one listens there.
+    /// No runner listens at the socket.
     #[error(transparent)]
     Join(#[from] JoinError),
-    /// The connection broke.
+    /// An I/O error of the connection.
     #[error("the connection to the runner broke")]
     Io(#[from] io::Error),
-    /// It says something else than this protocol.
+    /// Its message does not follow the protocol.
     #[error("the runner's words make no sense")]
     Frame(#[from] FrameError),
-    /// It sends events that are none.
+    /// Its events are malformed.
     #[error("the runner's events make no sense")]
     Events(#[from] Broken),
-    /// It is of another version.
+    /// Its version of the protocol differs.
     #[error(transparent)]
     Version(#[from] VersionMismatch),
-    /// It lets no one in.
+    /// It refuses the connection.
     #[error("the runner lets nobody in: {0}")]
     Refused(String),
-    /// It went away before it had answered.
+    /// It closed the connection before its reply.
     #[error("the runner went away before it had answered")]
     Gone,
 }
 
-/// A run that was joined.
+/// A connection to a runner after the handshake.
 #[derive(Debug)]
 pub(super) struct RunnerConnection {
-    /// What the runner goes by, if it said so.
+    /// Facts about the loaded machine, if the runner sent them.
     pub(super) loaded: Option<LoadedMachine>,
     pub(super) frames: BufReader<OwnedReadHalf>,
     pub(super) out: OwnedWriteHalf,
 }
 
-/// Joins the run in `folder`.
+/// Connects to the runner of the run in `folder`.
 pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection, LinkError> {
     let connected = move || connect(&folder);
     let stream = tokio::task::spawn_blocking(connected).await.map_err(io::Error::other)??;
@@ -75,7 +75,7 @@ pub(super) async fn open(folder: PathBuf, join: Join) -> Result<RunnerConnection
     }
 }
 
-/// What an active state of the run in `folder` holds; nothing if it is not active.
+/// Data of an active state of the run in `folder`. `None` if the state is not active.
 pub(super) async fn inspect(folder: PathBuf, path: &str) -> Result<Option<StateData>, LinkError> {
     let question = ToRunner::Inspect { id: "1".to_owned(), path: path.to_owned() };
     ask(folder, &question, |message| match message {
@@ -85,7 +85,7 @@ pub(super) async fn inspect(folder: PathBuf, path: &str) -> Result<Option<StateD
     .await
 }
 
-/// Gives a command on a connection of its own.
+/// Sends a command on a separate connection.
 pub(super) async fn command(folder: PathBuf, envelope: Envelope) -> Result<Answer, LinkError> {
     let wanted = envelope.id.clone();
     ask(folder, &ToRunner::Command(envelope), |message| match message {
@@ -117,7 +117,7 @@ async fn hello(lines: &mut BufReader<OwnedReadHalf>) -> Result<Hello, LinkError>
     Ok(decode(&String::from_utf8_lossy(&line))?)
 }
 
-/// The next message; events in between are for others.
+/// The next message. Skips events.
 async fn message(frames: &mut BufReader<OwnedReadHalf>) -> Result<ToViewer, LinkError> {
     let mut content = Vec::new();
     while let Some(kind) = frame(frames, &mut content).await? {
@@ -128,7 +128,7 @@ async fn message(frames: &mut BufReader<OwnedReadHalf>) -> Result<ToViewer, Link
     Err(LinkError::Gone)
 }
 
-/// Reads the next frame into `content`; nothing at the end.
+/// Reads the next frame into `content`. `None` at the end of the stream.
 pub(super) async fn frame(
     frames: &mut BufReader<OwnedReadHalf>,
     content: &mut Vec<u8>,

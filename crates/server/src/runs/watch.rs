@@ -1,5 +1,5 @@
-//! What changes in the folder of all runs: folders that come and go, runs that begin or are resumed there. So runs that the
-//! command line starts appear. Knows names of files; nothing is asked again and again.
+//! Watches the folder of all runs for new and deleted folders, and for runs that begin or are resumed. It detects runs of the
+//! command line without polling. Knows names of files.
 
 use super::supervise;
 use crate::ServerState;
@@ -14,35 +14,35 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tokio::sync::mpsc;
 
-/// So many changes wait to be looked at.
+/// Capacity of the queue of changes.
 const CHANGES: usize = 1024;
-/// The end of the name of a folder that is being deleted.
+/// The extension of a folder that is being deleted.
 const GONE: &str = "gone";
 
-/// What was noticed.
+/// A change in the folder of runs.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Noticed {
-    /// Something happened in the folder of a run.
+    /// A change in the folder of a run.
     In(PathBuf),
-    /// More happened than was told.
+    /// Events were lost, so any folder may have changed.
     Anything,
 }
 
-/// Keeps changes coming while it is there.
+/// Watches the folders of runs until dropped.
 #[derive(Debug)]
 pub(super) struct RunFolderWatch {
     watcher: RecommendedWatcher,
-    /// The folders of runs that are looked at.
+    /// Watched folders of runs.
     watched: BTreeSet<PathBuf>,
 }
 
-/// Begins to notice changes. Without, the server knows the runs that it started.
+/// Starts to watch for changes. Without the watch, the server only knows the runs that it started.
 pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
     let (changes, noticed) = mpsc::channel(CHANGES);
     let all = server.runs.folder.folder().to_path_buf();
     let tell = move |event: notify::Result<notify::Event>| {
         for change in noticed_of(&all, event) {
-            // No one notices any more when the server ends.
+            // The receiver is dropped when the server ends.
             changes.blocking_send(change).unwrap_or_default();
         }
     };
@@ -64,11 +64,11 @@ pub(super) fn begin(server: &Arc<ServerState>) -> mpsc::Receiver<Noticed> {
     noticed
 }
 
-/// Looks at what changed, one after the other.
+/// Processes changes in order.
 pub(super) async fn serve(server: &Arc<ServerState>, mut noticed: mpsc::Receiver<Noticed>) {
     for folder in folders(server.runs.folder.folder()) {
         keep_an_eye_on(server, &folder);
-        // Its runner, or the station, may have begun to listen between the first look at the run and the watch.
+        // The runner or the station may have opened its socket between the first read of the run and the watch.
         if folder.join(SOCKET_FILE).exists() {
             look(server, folder).await;
         }
@@ -97,13 +97,13 @@ async fn look(server: &Arc<ServerState>, folder: PathBuf) {
     }
 }
 
-/// Notices from now on what changes in the folder of a run; no more when it is gone.
+/// Watches the folder of a run, or ends the watch if the folder no longer exists.
 fn keep_an_eye_on(server: &ServerState, folder: &Path) {
     let mut watch = server.runs.watch.lock();
     let Some(watch) = watch.as_mut() else { return };
     if !folder.is_dir() {
         if watch.watched.remove(folder) {
-            // What is gone is not watched any more by itself.
+            // The system ends the watch of a deleted folder by itself.
             watch.watcher.unwatch(folder).unwrap_or_default();
         }
     } else if watch.watched.insert(folder.to_path_buf())
@@ -115,7 +115,7 @@ fn keep_an_eye_on(server: &ServerState, folder: &Path) {
     }
 }
 
-/// The folders of all runs, the oldest first.
+/// The folders of all runs, oldest first.
 pub(super) fn folders(all: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(all).into_iter().flatten().flatten();
     let mut folders: Vec<PathBuf> =
@@ -124,7 +124,7 @@ pub(super) fn folders(all: &Path) -> Vec<PathBuf> {
     folders
 }
 
-/// A folder in which nothing has begun and nothing will: no one was told of it.
+/// Removes a folder in which no run has begun or will begin. It was never published.
 pub(super) async fn remove(server: &ServerState, folder: PathBuf) {
     let tell = server.settings.tell;
     let removed = tokio::task::spawn_blocking(move || {
@@ -135,7 +135,7 @@ pub(super) async fn remove(server: &ServerState, folder: PathBuf) {
     removed.await.unwrap_or_default();
 }
 
-/// What is to be looked at after the system said this; errors mean that something was not told.
+/// Changes according to an event of the system. An error means that events were lost.
 fn noticed_of(all: &Path, told: notify::Result<notify::Event>) -> Vec<Noticed> {
     match told {
         Ok(event) if !event.need_rescan() => {
@@ -145,7 +145,7 @@ fn noticed_of(all: &Path, told: notify::Result<notify::Event>) -> Vec<Noticed> {
     }
 }
 
-/// The folders of runs that a change is about, if it matters.
+/// The folders of runs that an event concerns, if it is relevant.
 fn folders_of(all: &Path, event: &notify::Event) -> Vec<PathBuf> {
     let comes_or_goes = matches!(
         event.kind,
@@ -157,7 +157,7 @@ fn folders_of(all: &Path, event: &notify::Event) -> Vec<PathBuf> {
     folders
 }
 
-/// The folder of the run that this path is, or that it is a file of which says that a run begins, or is not what it was.
+/// The folder of a run if the path is that folder, or a file in it that marks the start or a change of the run.
 fn folder_of(all: &Path, path: &Path) -> Option<PathBuf> {
     let mut parts = path.strip_prefix(all).ok()?.components();
     let folder = all.join(parts.next()?);

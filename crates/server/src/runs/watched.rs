@@ -1,6 +1,6 @@
-//! Values of a robot's run that clients watch: the station is asked once for what all of them watch, and each is told its part.
+//! Values of a robot's run that clients watch. The station gets one merged request, and each client receives its own part.
 //!
-//! Knows who watches what. Does not know how values come from the robot, nor the events, which bring the same values later.
+//! Knows the subscriptions. Does not know the transfer from the robot, nor the events, which contain these values later.
 
 use super::run::Run;
 use crate::Failure;
@@ -11,14 +11,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// A client watches at most so much of a run with one subscription.
+/// Maximum number of targets in one subscription.
 const TARGETS_MAX: usize = 1_024;
-/// So many values of a run are kept.
+/// Capacity of the values of a run.
 const VALUES_MAX: usize = 1_024;
-/// Maximum number of values in a message to a client; further ones are counted.
+/// Maximum number of values in a message to a client; further ones are only counted.
 const TOLD_MAX: usize = 256;
 
-/// What is watched of one run.
+/// Subscriptions to values of one run, and the newest values.
 #[derive(Debug)]
 pub(crate) struct RunWatched {
     watchers: Mutex<Watchers>,
@@ -33,7 +33,7 @@ struct Watchers {
     left_out: u32,
 }
 
-/// The newest of what is watched.
+/// The newest watched values.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct WatchedNow {
     watching: Watching,
@@ -48,12 +48,12 @@ impl Default for RunWatched {
 }
 
 impl RunWatched {
-    /// What the station is asked for.
+    /// Targets that are requested from the station.
     pub(super) fn union(&self) -> Vec<WatchTarget> {
         self.watchers.lock().union.clone()
     }
 
-    /// The station says this of what is watched.
+    /// Applies the station's report about watched values.
     pub(super) fn take(&self, watching: Watching, values: Vec<WatchedValue>) {
         self.now.send_modify(|now| {
             let now = Arc::make_mut(now);
@@ -69,7 +69,7 @@ impl RunWatched {
         });
     }
 
-    /// Somebody watches this from now on, or nothing any more. Answers whether the station is to be asked for something else.
+    /// Sets or removes a subscription. Returns `true` if the station needs a new request.
     fn set(&self, watcher: u64, targets: Option<Vec<WatchTarget>>) -> bool {
         let mut watchers = self.watchers.lock();
         match targets {
@@ -80,7 +80,7 @@ impl RunWatched {
         watchers.left_out = u32::try_from(left_out).unwrap_or(u32::MAX);
         let is_news = union != watchers.union;
         watchers.union = union;
-        // With the lock held: what is told last is what is true.
+        // Published under the lock, so that the last publication is the current state.
         self.now.send_modify(|now| {
             let now = Arc::make_mut(now);
             now.left_out = watchers.left_out;
@@ -91,7 +91,7 @@ impl RunWatched {
     }
 }
 
-/// Somebody who watches values of a run, until this is dropped.
+/// A subscription to values of a run, until dropped.
 #[derive(Debug)]
 pub(crate) struct Watcher {
     run: Arc<Run>,
@@ -99,7 +99,7 @@ pub(crate) struct Watcher {
 }
 
 impl Watcher {
-    /// Begins to watch, if that is not too much.
+    /// Starts a subscription, unless it has too many targets.
     pub(crate) fn begin(run: Arc<Run>, targets: Vec<WatchTarget>) -> Result<Self, Failure> {
         if targets.len() > TARGETS_MAX {
             let message = format!(
@@ -124,7 +124,7 @@ impl Watcher {
         }
     }
 
-    /// The newest of what is watched.
+    /// Receiver of the newest watched values.
     pub(crate) fn now(&self) -> watch::Receiver<Arc<WatchedNow>> {
         self.run.watched().now.subscribe()
     }
@@ -136,7 +136,7 @@ impl Drop for Watcher {
     }
 }
 
-/// What a client that watches this is told. Values of a run on this computer come with its events: then there is nothing to tell.
+/// Message for a client with these targets. For a local run it is empty, because its events contain the values.
 pub(crate) fn frame(
     subscription: u32,
     targets: &[WatchTarget],

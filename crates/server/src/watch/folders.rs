@@ -1,7 +1,7 @@
-//! Which folders the system is asked about. Knows where to look and how to ask, but not what changes mean.
+//! Folders that the system watches. Knows their selection and the system's interface, but not the meaning of changes.
 //!
-//! Asking costs memory of the system for each folder, so projects are followed down to their machines and no further;
-//! libraries and open machines are followed to the last state. Links are not followed.
+//! Each watch takes memory of the system. Projects are therefore watched only down to their machines; libraries and open machines
+//! are watched down to the last state. Links are not followed.
 
 use crate::log;
 use crate::projects::{is_foreign, is_machine};
@@ -10,42 +10,42 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders beyond these are not asked about.
+/// Maximum number of watched folders.
 const MOST: usize = 100_000;
 
-/// What is to be followed.
+/// Folders that must be watched.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Plan {
-    /// To the last folder.
+    /// Watched with all folders inside.
     pub(super) whole: Vec<PathBuf>,
-    /// Down to machines.
+    /// Watched down to machines.
     pub(super) outside: Vec<PathBuf>,
-    /// Neither these nor what lies in them.
+    /// Never watched, including their content.
     pub(super) hidden: Vec<PathBuf>,
 }
 
-/// The folders that the system is asked about.
+/// The folders that the system watches.
 #[derive(Debug)]
 pub(super) struct Folders {
     watcher: RecommendedWatcher,
     watched: BTreeSet<PathBuf>,
-    /// Their maximum number.
+    /// Maximum number of watches.
     most: usize,
     is_full: bool,
 }
 
 impl Folders {
-    /// None yet.
+    /// Starts without watched folders.
     pub(super) fn new(watcher: RecommendedWatcher) -> Self {
         Self { watcher, watched: BTreeSet::new(), most: MOST, is_full: false }
     }
 
-    /// Whether the system is asked about a folder.
+    /// The folder is watched.
     pub(super) fn knows(&self, folder: &Path) -> bool {
         self.watched.contains(folder)
     }
 
-    /// Asks about what is to be followed, as it lies on disk now, and about nothing else.
+    /// Watches exactly the planned folders, as they exist now.
     pub(super) fn follow(&mut self, plan: &Plan) {
         self.is_full = false;
         let mut wanted = BTreeSet::new();
@@ -59,7 +59,7 @@ impl Folders {
         self.leave(idle);
     }
 
-    /// These folders are no more, or lie elsewhere: what is said about them would be wrong.
+    /// Removes the watches of deleted or moved folders, whose events would have wrong paths.
     pub(super) fn forget(&mut self, gone: &BTreeSet<PathBuf>) {
         for path in gone {
             let below = self.watched.range(path.clone()..).take_while(|it| it.starts_with(path));
@@ -68,12 +68,12 @@ impl Folders {
         }
     }
 
-    /// All of them.
+    /// Removes the watches of all folders.
     pub(super) fn forget_all(&mut self) {
         self.leave(self.watched.clone());
     }
 
-    /// Each folder is asked about before it is read: what comes into it in between is told.
+    /// Each folder is watched before it is read, so that a new entry in between causes an event.
     fn descend(
         &mut self,
         from: &Path,
@@ -90,7 +90,7 @@ impl Folders {
         }
     }
 
-    /// Says whether the folder is there and the system can be asked about it.
+    /// Watches a folder. Returns `false` if it does not exist or the system cannot watch it.
     fn ask(&mut self, folder: &Path) -> bool {
         if self.watched.contains(folder) {
             return true;
@@ -123,7 +123,7 @@ impl Folders {
         ));
     }
 
-    /// An answer about a folder that is gone would be no news.
+    /// Errors are ignored: the folder may no longer exist.
     fn leave(&mut self, folders: BTreeSet<PathBuf>) {
         for folder in folders {
             self.watched.remove(&folder);
@@ -132,7 +132,7 @@ impl Folders {
     }
 }
 
-/// The folders in a folder; none if it cannot be read.
+/// The folders in a folder. Empty if it cannot be read.
 fn inside(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let is_ours = |entry: &fs::DirEntry| {

@@ -1,4 +1,4 @@
-//! What the system says about files, gathered until someone looks. Knows paths and kinds of events; asks no disk.
+//! Collects file events until they are processed. Knows paths and kinds of events; does not access the disk.
 
 use notify::event::{AccessKind, AccessMode, CreateKind, ModifyKind, RenameMode};
 use notify::{Event, EventKind};
@@ -7,33 +7,33 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use tokio::sync::Notify;
 
-/// More paths than these are not told one by one.
+/// Maximum number of paths that are recorded one by one.
 const MOST: usize = 10_000;
 
-/// What happened since someone looked last.
+/// Changes since the last time they were taken.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Changes {
-    /// Files and folders that are new, different or gone.
+    /// Files and folders that are new, different or deleted.
     pub(super) touched: BTreeSet<PathBuf>,
-    /// Those of them that are gone, or were for a moment.
+    /// Those that were deleted, at least for a moment.
     pub(super) gone: BTreeSet<PathBuf>,
-    /// More happened than is told here: anything may be different.
+    /// Events were lost, so any file may have changed.
     pub(super) is_lost: bool,
 }
 
 impl Changes {
-    /// Whether what lies in this folder may be different.
+    /// The content of this folder may have changed.
     pub(super) fn concern(&self, folder: &Path) -> bool {
         let on_the_way = |path: &PathBuf| path.starts_with(folder) || folder.starts_with(path);
         self.is_lost || self.touched.iter().any(on_the_way)
     }
 
-    /// Whether nothing happened.
+    /// No change is recorded.
     pub(super) fn is_empty(&self) -> bool {
         !self.is_lost && self.touched.is_empty()
     }
 
-    /// Adds an event; says whether it matters.
+    /// Adds an event. Returns `true` if it is relevant.
     fn add(&mut self, event: Event) -> bool {
         if event.need_rescan() {
             self.is_lost = true;
@@ -54,20 +54,20 @@ impl Changes {
     }
 }
 
-/// What an event means to a path.
+/// Effect of an event on a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Change {
     Different,
     Gone,
 }
 
-/// Nothing for events that change nothing, and for those that are told in other words as well.
+/// The effect of an event. `None` if it has no effect, or if another event reports it.
 fn change_of(kind: EventKind) -> Option<Change> {
     match kind {
         EventKind::Remove(_) | EventKind::Modify(ModifyKind::Name(RenameMode::From)) => {
             Some(Change::Gone)
         }
-        // A new file is told again when it has been written.
+        // A new file causes another event once it is written.
         EventKind::Create(CreateKind::File)
         | EventKind::Modify(ModifyKind::Metadata(_) | ModifyKind::Name(RenameMode::Both))
         | EventKind::Other => None,
@@ -79,13 +79,13 @@ fn change_of(kind: EventKind) -> Option<Change> {
     }
 }
 
-/// Whether a file or folder is neither hidden nor made by another program for itself.
+/// The file or folder is neither hidden nor made by another program for itself.
 fn is_somebodys(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     !crate::projects::is_foreign(&name)
 }
 
-/// Where events wait.
+/// Queue of collected changes.
 #[derive(Debug, Default)]
 pub(super) struct Inbox {
     changes: Mutex<Changes>,
@@ -93,7 +93,7 @@ pub(super) struct Inbox {
 }
 
 impl Inbox {
-    /// Puts what the system says in; errors mean that something was not told.
+    /// Adds an event of the system. An error means that events were lost.
     pub(super) fn put(&self, told: notify::Result<Event>) {
         let mut changes = self.changes.lock();
         let matters = match told {
@@ -108,12 +108,12 @@ impl Inbox {
         }
     }
 
-    /// Until there is something.
+    /// Waits for a change.
     pub(super) async fn something(&self) {
         self.bell.notified().await;
     }
 
-    /// Takes all there is out.
+    /// Takes all collected changes.
     pub(super) fn take(&self) -> Changes {
         std::mem::take(&mut self.changes.lock())
     }

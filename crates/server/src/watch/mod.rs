@@ -1,8 +1,7 @@
-//! Changes that other programs make to machines and libraries: noticed, and told to whoever has them open. Knows which part
-//! of the server a changed file concerns, but not what is in the files.
+//! Detects changes that other programs make to machines and libraries, and notifies the affected parts of the server. Knows which
+//! part a changed file concerns, but not the content of files.
 //!
-//! The server's own saves come by here as well: whether a machine is really another one is decided by its content, by
-//! whoever has it open.
+//! The server's own saves cause events as well. The open machine compares contents to recognize real changes.
 
 mod folders;
 mod inbox;
@@ -14,21 +13,21 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Changes of so much time are told together.
+/// Interval in which changes are collected.
 const GATHERED: Duration = Duration::from_millis(100);
 
-/// A machine is followed so long after it was opened: what its opener asks for next comes first.
+/// Delay before a newly opened machine is watched, so that the first requests of its client are served first.
 const OPENED: Duration = Duration::from_secs(1);
 
-/// What is followed, and for whom.
+/// Watches files for the server.
 struct Watch {
     server: Arc<ServerState>,
     folders: Folders,
-    /// The folders of open machines that are followed.
+    /// Folders of open machines that are watched.
     open: Vec<PathBuf>,
 }
 
-/// Begins to follow the projects, libraries and open machines of a server, until it closes.
+/// Starts to watch the projects, libraries and open machines of a server, until it closes.
 pub(crate) fn begin(server: &Arc<ServerState>) {
     let inbox = Arc::new(Inbox::default());
     let told = Arc::clone(&inbox);
@@ -50,7 +49,7 @@ pub(crate) fn begin(server: &Arc<ServerState>) {
 impl Watch {
     async fn run(self, inbox: Arc<Inbox>) {
         let (mut machines, mut closing) = (self.server.news.of_machines(), self.server.closing());
-        // Until everything is followed for the first time, anything may have happened.
+        // Before the first watch, any file may have changed.
         let mut changes = Changes { is_lost: true, ..Changes::default() };
         let mut watch = self;
         loop {
@@ -73,7 +72,7 @@ impl Watch {
         }
     }
 
-    /// Follows what is to be followed now, then tells what happened.
+    /// Updates the watches, then reports the changes.
     fn turn(&mut self, changes: &Changes) {
         if changes.is_lost {
             self.folders.forget_all();
@@ -101,7 +100,7 @@ impl Watch {
         }
     }
 
-    /// A machine that is followed from now on may have changed since it was opened.
+    /// Reports changes. A newly watched machine may have changed since it was opened.
     fn tell(&self, changes: &Changes, open: &[PathBuf]) {
         if self.server.projects.shelf().folders().iter().any(|folder| changes.concern(folder)) {
             self.server.projects.shelf().refresh();
@@ -117,7 +116,7 @@ impl Watch {
     }
 }
 
-/// Leaves whoever opened a machine in peace for a while, but no one who waits for news of files. Always true.
+/// Waits after a machine was opened, but not longer than until the next change of files. Always returns `true`.
 async fn opened(inbox: &Inbox) -> bool {
     tokio::select! {
         () = inbox.something() => {}
