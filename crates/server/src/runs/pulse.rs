@@ -1,7 +1,7 @@
-//! Whether a runner is there: while nothing changes it says nothing by itself, and one that hangs looks the same. So it is asked,
-//! for as long as someone looks on.
+//! Detects runners that hang. An idle runner sends no messages by itself, so the server pings it while the run has
+//! onlookers.
 //!
-//! Knows questions and answers, and how many look on. Does not know what else a runner says, nor whom it matters to.
+//! Knows pings, replies and the number of onlookers. Does not know other messages, nor the clients.
 
 use super::link::Link;
 use super::run::Run;
@@ -13,63 +13,63 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::sleep;
 
-/// So often a runner is asked.
+/// Interval of pings to a runner.
 const ASK_EVERY: Duration = Duration::from_secs(1);
-/// So many questions without an answer in between are silence. Counted, and not timed: a server that was stopped itself has asked
-/// one only.
+/// Number of unanswered pings after which a runner counts as silent. A count, not a time: a server that was suspended itself has
+/// sent only one.
 const UNANSWERED_MAX: u32 = 3;
-/// So many questions are asked before it is looked whether someone looks on still: a page that is loaded again finds an answer.
+/// Number of pings before the onlookers are checked again, so that a page that reloads finds a current state.
 const ROUND: u32 = 10;
 
-/// What a runner has answered.
+/// Replies of a runner.
 #[derive(Debug)]
 pub(super) struct RunnerPulse {
-    /// Questions since it was heard last.
+    /// Pings since its last message.
     unanswered: AtomicU32,
-    /// When that was.
+    /// Time of its last message.
     heard_ms: AtomicU64,
 }
 
-/// What is to be done about a runner.
+/// Action at the next ping.
 #[derive(Debug, PartialEq, Eq)]
 enum PulseAction {
-    /// It is to be asked.
+    /// Send the next ping.
     Ask,
-    /// It has fallen silent.
+    /// Report that the runner has become silent.
     Tell,
-    /// It is silent, and has questions enough to answer.
+    /// Do nothing: the silence is already reported.
     Nothing,
 }
 
-/// What a word of a runner means.
+/// Effect of a message on the liveness of a runner.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Liveness {
-    /// It was there before.
+    /// The runner was not silent.
     Still,
-    /// It had fallen silent.
+    /// The runner was silent before.
     Again,
 }
 
 impl RunnerPulse {
-    /// Of a runner that was heard just now.
+    /// The pulse of a runner that has just sent a message.
     pub(super) fn new() -> Self {
         let heard_ms = AtomicU64::new(clock::since_1970_ms());
         Self { unanswered: AtomicU32::new(0), heard_ms }
     }
 
-    /// The runner says something.
+    /// Notes a message of the runner.
     pub(super) fn note_heard(&self) -> Liveness {
         self.heard_ms.store(clock::since_1970_ms(), Ordering::Relaxed);
         let unanswered = self.unanswered.swap(0, Ordering::Relaxed);
         if unanswered > UNANSWERED_MAX { Liveness::Again } else { Liveness::Still }
     }
 
-    /// When it was heard last: ms since 1970, UTC.
+    /// Time of its last message: ms since 1970, UTC.
     pub(super) fn heard_ms(&self) -> u64 {
         self.heard_ms.load(Ordering::Relaxed)
     }
 
-    /// It is time for the next question.
+    /// Action for the next ping.
     fn beat(&self) -> PulseAction {
         match self.unanswered.load(Ordering::Relaxed) {
             UNANSWERED_MAX => {
@@ -85,7 +85,7 @@ impl RunnerPulse {
     }
 }
 
-/// Asks a runner whether it is there while someone looks on, and tells the run when it does not answer.
+/// Pings a runner while the run has onlookers, and marks the run as silent if the replies stop.
 #[expect(clippy::infinite_loop, reason = "it is given up with the link")]
 pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> Infallible {
     loop {
@@ -102,11 +102,11 @@ pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> 
     }
 }
 
-/// Those who look at how a run stands.
+/// Viewers of the state of a run.
 #[derive(Debug)]
 pub(crate) struct Onlookers(Arc<watch::Sender<usize>>);
 
-/// One of them, until it is dropped.
+/// An onlooker of a run, counted until dropped.
 #[derive(Debug)]
 pub(crate) struct Onlooker(Arc<watch::Sender<usize>>);
 
@@ -117,16 +117,16 @@ impl Default for Onlookers {
 }
 
 impl Onlookers {
-    /// Someone looks on.
+    /// Adds an onlooker to the run.
     pub(crate) fn join(&self) -> Onlooker {
         self.0.send_modify(|count| *count += 1);
         Onlooker(Arc::clone(&self.0))
     }
 
-    /// Waits until someone looks on.
+    /// Waits for an onlooker.
     pub(super) async fn wait_for_onlooker(&self) {
         let mut count = self.0.subscribe();
-        // The sender lives as long as we do.
+        // The sender lives as long as this function.
         drop(count.wait_for(|count| *count > 0).await);
     }
 }
@@ -141,7 +141,7 @@ impl Drop for Onlooker {
 mod tests {
     use super::RunnerPulse;
 
-    /// What comes of it: `?` is the time for a question, `!` a word of the runner.
+    /// Checks the resulting actions: `?` is the time of a ping, `!` a message of the runner.
     fn check(happens: &str, expected: &[&str]) {
         let pulse = RunnerPulse::new();
         let comes = happens.chars().map(|it| match it {

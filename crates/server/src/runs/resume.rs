@@ -1,6 +1,6 @@
-//! Taking a run up again whose runner is gone: because someone asks, or by its policy.
+//! Resumes a run without a runner: on request, or by its policy.
 //!
-//! Knows requests and launches. Does not know what the run does then.
+//! Knows requests and launches. Does not know the further course of the run.
 
 use super::control::GivenCommand;
 use super::folder_files::RunRequest;
@@ -21,7 +21,7 @@ use rafcon_supervisor::resume_launch;
 use std::io;
 use std::sync::Arc;
 
-/// Resumes a run, or finds that it was resumed by this id.
+/// Resumes a run, or finds that this id already resumed it.
 pub(crate) async fn resume(
     server: &Arc<ServerState>,
     who: &Who,
@@ -43,7 +43,7 @@ fn request(run: &Run, who: &Who, asked: ResumeRun) -> ResumeRequest {
     ResumeRequest { run, user, asked, expiry_ms: None }
 }
 
-/// Has the robot of a replica resume its run. The robot knows whether it can be.
+/// Requests the robot of a replica to resume its run. The robot decides.
 async fn by_robot(
     server: &ServerState,
     who: &Who,
@@ -66,13 +66,13 @@ async fn by_robot(
 /// The code of a request whose validity ended before it was carried out.
 pub(super) const EXPIRED: &str = "expired";
 
-/// Resumes a run that is here.
+/// Resumes a local run.
 pub(super) async fn once(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
     request: &ResumeRequest,
 ) -> Result<RunSummary, Failure> {
-    // One after the other: two who ask at once do not both start a runner.
+    // Serialized per run, so that concurrent requests do not start two runners.
     let id = format!("resume/{}", run.id());
     let slot = server.runs.requests.get(&id);
     let turn = slot.lock().await;
@@ -96,7 +96,7 @@ async fn in_turn(
         return Ok(run.summary());
     }
     may_be_resumed(&run.summary(), asked)?;
-    // Control of a dead run cannot be moved; it passes to the user if its holder is silent.
+    // Control of a crashed run cannot be moved. It passes to the user if its holder is silent.
     let given = GivenCommand { user, id: &asked.id, epoch: None };
     commands::take(server, run, given).or_else(|denied| {
         let taken = commands::move_holder(server, run, user, &ControlMove::TakeOver);
@@ -151,7 +151,7 @@ fn may_be_resumed(run: &RunSummary, asked: &ResumeRun) -> Result<(), Failure> {
     }
 }
 
-/// Writes the request down and starts a runner; if none starts, nothing was asked.
+/// Records the request and starts a runner. If that fails, it restores the earlier record.
 fn begun(
     server: &ServerState,
     run: &Run,
@@ -180,7 +180,7 @@ fn begun(
     }
 }
 
-/// Another runner resumes the run, as its policy says.
+/// Starts another runner that resumes the run by its policy.
 pub(super) async fn again(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
@@ -192,7 +192,7 @@ pub(super) async fn again(
     begun.unwrap_or_else(|stopped| Err(LaunchError::Thread(io::Error::other(stopped))))
 }
 
-/// No one takes this run up by itself any more, also after the server was started again.
+/// Ends automatic resumption of this run, also for later servers.
 pub(super) async fn leave_alone(server: &Arc<ServerState>, run: &Arc<Run>, request: RunRequest) {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
     let request = RunRequest { is_left_alone: true, ..request };

@@ -1,6 +1,6 @@
-//! The newest events of a run in progress, in memory: for all who are not far behind. Whoever is reads the journal.
+//! Recent events of an active run in memory. Lagging readers use the journal.
 //!
-//! Knows numbers and sizes. Does not know who reads, nor wait for them.
+//! Knows numbers and sizes. Does not know the readers, and never waits for them.
 
 use super::event_group::EventGroup;
 use rafcon_locks::Mutex;
@@ -12,12 +12,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// So many bytes of events are kept for each run, as its runner sent them: their texts are about ten times as long.
+/// Capacity per run in bytes, as received from the runner. Texts are about ten times as long.
 const BYTES_MAX: usize = 512 << 10;
-/// Events lie together up to so many bytes.
+/// Approximate size of a group of events, in bytes.
 const GROUP_BYTES: usize = 4 << 10;
 
-/// The newest events of one run.
+/// The newest events of an active run.
 #[derive(Debug)]
 pub(crate) struct Ring {
     kept: Mutex<RingContent>,
@@ -30,23 +30,23 @@ pub(crate) struct Ring {
 struct RingContent {
     groups: VecDeque<Arc<EventGroup>>,
     bytes: usize,
-    /// The number of the event that comes next.
+    /// Number of the next event.
     next: u64,
-    /// What the runner's numbers stand for.
+    /// Definitions of the numbers that the runner uses.
     definitions: Arc<StreamDefinitions>,
 }
 
-/// What there is from a cursor on.
+/// Result of a read from a cursor on.
 #[derive(Debug)]
 pub(crate) enum EventsPage {
     /// These events are only in the journal.
     Behind,
-    /// The events that follow, in groups, of which the first may begin before the cursor; none: nothing happened since.
+    /// The next events in groups, of which the first may begin before the cursor. Empty if there are no new events.
     Events(Vec<Arc<EventGroup>>),
 }
 
 impl Ring {
-    /// Nothing yet; the run's journal lies in `folder`.
+    /// An empty ring. The run's journal is in `folder`.
     pub(super) fn new(folder: PathBuf) -> Self {
         Self::with_room(BYTES_MAX, Some(folder))
     }
@@ -56,7 +56,7 @@ impl Ring {
         Self { kept, last: watch::Sender::new(0), folder, bytes_max }
     }
 
-    /// The groups that hold about `count` events from number `from` on.
+    /// The groups with about `count` events from number `from` on.
     pub(crate) fn read(&self, from: u64, count: u64) -> EventsPage {
         let kept = self.kept.lock();
         let first = kept.groups.front().map_or(kept.next, |group| group.first);
@@ -69,18 +69,18 @@ impl Ring {
         EventsPage::Events(wanted.cloned().collect())
     }
 
-    /// The number of the last event; with `changed`, when there are more. All up to it can be read, here or in the journal.
+    /// The number of the last event; `changed` waits for more. All events up to it can be read, here or in the journal.
     pub(crate) fn last(&self) -> watch::Receiver<u64> {
         self.last.subscribe()
     }
 
-    /// The number of the event that comes next.
+    /// Number of the next event.
     pub(super) fn next(&self) -> u64 {
         self.kept.lock().next
     }
 
-    /// Takes in what a runner sent. What is known already is left out; behind a gap, all before it is in the journal only. Gives
-    /// the last event of the run, if it came.
+    /// Adds events from a runner and skips known ones. After a gap, earlier events are only in the journal. Returns the last event
+    /// of the run, if it is among them.
     pub(super) fn push(&self, bytes: &[u8]) -> Result<Option<Event>, Broken> {
         let (mut next, definitions) = {
             let kept = self.kept.lock();
@@ -122,7 +122,7 @@ impl Ring {
         self.tell(last);
     }
 
-    /// Everything up to number `last` is in the journal, and memory is given back.
+    /// Drops all events up to number `last`, because the journal contains them.
     pub(super) fn settle(&self, last: u64) {
         let mut kept = self.kept.lock();
         let next = kept.next.max(last + 1);
@@ -140,7 +140,7 @@ impl Ring {
     }
 }
 
-/// Events of one block on their way into the ring.
+/// Groups of events that are built from one block.
 #[derive(Debug)]
 struct NewGroups<'d> {
     definitions: &'d Arc<StreamDefinitions>,
@@ -182,7 +182,7 @@ impl<'d> NewGroups<'d> {
     }
 }
 
-/// The event, if it is the run's last.
+/// The event, if it is the last one of the run.
 fn finish_of(record: Record) -> Option<Event> {
     match record {
         Record::Told(event) if matches!(*event, Event::Finished { .. }) => Some(*event),
@@ -213,7 +213,7 @@ impl RingContent {
     }
 }
 
-/// How much memory it takes, about, without its texts.
+/// Approximate memory of a group in bytes, without its texts.
 fn bytes_of(group: &EventGroup) -> usize {
     group.items.len() + size_of::<EventGroup>()
 }

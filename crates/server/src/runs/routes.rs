@@ -1,4 +1,4 @@
-//! What is asked about runs: how they begin, stand and are commanded. Knows requests and answers; the work is done next door.
+//! Routes for runs: start, state and commands. Knows requests and responses. The work is in other modules.
 
 use super::{Run, at_robot, command_lists, commands, contacts, leftovers, resume, start};
 use crate::access::Who;
@@ -38,7 +38,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .merge(command_lists::routes())
 }
 
-/// All runs.
+/// Lists all runs, newest first.
 #[utoipa::path(get, path = "/api/v1/runs", tag = "runs", responses(
     (status = 200, description = "The newest first", body = [RunSummary])
 ))]
@@ -48,8 +48,8 @@ async fn list(State(server): State<Arc<ServerState>>) -> Json<Vec<RunSummary>> {
 
 /// Starts a run.
 ///
-/// Answered once the machine is loaded and the run begins. The same id of the same author starts one run, however often it is
-/// asked for. Breakpoints with a condition need the right to edit: a condition is Python.
+/// The response is sent once the machine is loaded and the run begins. A repeated id of an author starts only one run.
+/// Breakpoints with a condition need the right to edit: a condition is Python.
 #[utoipa::path(post, path = "/api/v1/runs", tag = "runs", request_body = StartRun, responses(
     (status = 200, description = "The run", body = RunSummary),
     (status = 400, description = "Something is wrong with the request itself", body = Refusal),
@@ -69,7 +69,7 @@ async fn begin(
     start::start(&server, &who, asked).await.map(Json)
 }
 
-/// How a run stands.
+/// The current state of a run.
 #[utoipa::path(get, path = "/api/v1/runs/{run}", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -86,7 +86,7 @@ async fn now(
     Ok(Json(RunNow { now_ms: clock::since_1970_ms(), ..now }))
 }
 
-/// Resumes a run whose runner died, or that is to begin again at an entry of its history.
+/// Resumes a run whose runner crashed, or restarts it from an entry of its history.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/resume", tag = "runs", request_body = ResumeRun,
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -109,7 +109,7 @@ async fn resume(
     resume::resume(&server, &who, &run, asked).await.map(Json)
 }
 
-/// Starts another run of the machine of a run, as it is on disk now, with the inputs and settings of that run.
+/// Starts another run of a run's machine as it is on disk now, with the inputs and settings of that run.
 ///
 /// A station forwards the request to the robot, which checks the rights of the pairing. Repetitions under one id start no second run.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/again", tag = "runs", request_body = StartAgain,
@@ -161,10 +161,10 @@ async fn begin_at_robot(
     at_robot::start(&server, &who, robot, asked).await.map(Json)
 }
 
-/// Gives a run a command.
+/// Sends a command to a run.
 ///
-/// The author is whoever asks. The same id of the same author is carried out once; asked for again it has the first answer
-/// again, and for another command it is refused.
+/// The author is the user of the request. An author's id is executed once: a repetition returns the first answer, and is
+/// refused for another command.
 #[utoipa::path(post, path = "/api/v1/runs/{run}/commands", tag = "runs", request_body = Envelope,
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -187,7 +187,7 @@ async fn command(
     commands::command(&server, &who, &run, envelope).await.map(Json)
 }
 
-/// Who commands a run.
+/// State of control of a run.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/control", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -224,7 +224,7 @@ async fn move_control(
     commands::control(&server, &who, &run, &wanted).await.map(Json)
 }
 
-/// What an active state holds.
+/// Data of an active state.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/state", tag = "runs",
     params(("run" = String, Path, description = "The run's id"), StateAt),
     responses(
@@ -266,7 +266,7 @@ async fn breakpoints(
     }
 }
 
-/// The questions of a run that no one has answered yet.
+/// Open questions of a run.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/questions", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -284,7 +284,7 @@ async fn questions(
     Ok(Json(snapshot.map(|snapshot| snapshot.questions.clone()).unwrap_or_default()))
 }
 
-/// The global variables of a run, as the journal has them: at most 10 ms old while it continues.
+/// Global variables of a run, from its journal: at most 10 ms old while the run is active.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/globals", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -302,7 +302,7 @@ async fn globals(
     Ok(Json(picture(&server, &run).await?.globals))
 }
 
-/// All values at the end of a run. Long ones of a robot's run are shortened and marked at its station.
+/// All values at the end of a run. Long values of a robot's run are shortened and marked at its station.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/results", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
@@ -325,7 +325,7 @@ async fn results(
     Ok(Json(RunResults { outputs, globals, scoped_variables }))
 }
 
-/// What the runner and its scripts wrote past the capture of script output: the end of it.
+/// The end of the output of the runner and its scripts that is not captured as script output.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/output", tag = "runs",
     params(("run" = String, Path, description = "The run's id"), OutputEnd),
     responses(
@@ -345,7 +345,7 @@ async fn written(
     blocking(move || leftovers::tail(run.folder(), bytes).map(Json)).await
 }
 
-/// How a run stood after its last event.
+/// The state of a run after its last event.
 async fn picture(server: &ServerState, run: &Run) -> Result<Moment, Failure> {
     let read = server.history.readers().read(run.folder().to_path_buf(), |reader| {
         let moment = reader.moment(u64::MAX)?;

@@ -1,6 +1,6 @@
-//! One run, as everyone in the server shares it: how it stands, its newest events, the way to its runner, who commands it.
+//! One run, shared by all parts of the server: its state, its newest events, its link, and its control.
 //!
-//! Knows the latest truth. Does not know how it is found out, nor wait for whoever wants to know it.
+//! Knows the current state. Does not know its sources, and never waits for readers.
 
 use super::control::Holding;
 use super::folder_files;
@@ -25,13 +25,13 @@ use std::time::Duration;
 use tokio::sync::{Semaphore, SemaphorePermit, oneshot, watch};
 use tokio::time::timeout;
 
-/// How long the way to a runner is waited for by those who need it.
+/// Timeout of a wait for the link to a runner.
 const LINK_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// So many look into active states at a time, each over a connection of its own: the runner lets few in, and others need it more.
+/// Maximum number of parallel inspections of active states. Each uses one of the few connections of the runner.
 const GUESTS: usize = 4;
 
-/// One run.
+/// One run with its shared state.
 #[derive(Debug)]
 pub(crate) struct Run {
     id: String,
@@ -40,33 +40,33 @@ pub(crate) struct Run {
     pace: Pace,
     now: watch::Sender<Arc<RunNow>>,
     link: RunnerLink,
-    /// How its process ends, if it is one of ours.
+    /// Receives the exit of its process, if this server started it.
     exit: Mutex<Option<oneshot::Receiver<Exit>>>,
     holding: Mutex<Holding>,
     silence: Duration,
-    /// For what goes wrong and no one asked for.
+    /// Logs faults outside of requests.
     tell: fn(&str),
-    /// Told whenever the run in one line is different.
+    /// Counter that increments when the summary changes.
     news: watch::Sender<u64>,
-    /// Whether someone looks after its runner.
+    /// A supervisor follows its runner.
     is_followed: AtomicBool,
-    /// Whether it is different from how it was found.
+    /// It has changed since it was found.
     has_changed: AtomicBool,
-    /// Whether its process was ended because it did not take a stop.
+    /// Its process was killed because it did not stop.
     is_stopped_by_force: AtomicBool,
-    /// How many notes about control were sent.
+    /// Number of notes about control that were sent.
     notes: AtomicU64,
-    /// When the robot of a replica was told last that the holder of control is here.
+    /// Time of the last report to the robot of a replica that the holder of control is active.
     presence_ms: AtomicU64,
     guests: Semaphore,
     audience: Onlookers,
     watched: RunWatched,
-    /// Held while who holds control is written down.
+    /// Held while the state of control is written.
     keeping: Mutex<()>,
     calendar: Mutex<CalendarSteps>,
 }
 
-/// The calendar was set by so many ms: nothing is older or younger for that.
+/// The clock was set by `step_ms`. Shifts all times, so that ages stay correct.
 fn shift(now: &mut RunNow, step_ms: i64) {
     for time in [&mut now.snapshot_ms, &mut now.runner_heard_ms].into_iter().flatten() {
         *time = time.saturating_add_signed(step_ms);
@@ -74,7 +74,7 @@ fn shift(now: &mut RunNow, step_ms: i64) {
 }
 
 impl Run {
-    /// The run in `folder`, as it was found.
+    /// The run in `folder`, with its state on disk.
     pub(super) fn new(server: &ServerState, folder: PathBuf, summary: &RunSummary) -> Self {
         let (silence, now_ms) = (server.settings.control_silence, clock::since_1970_ms());
         let holding = folder_files::read_holding(&folder).go_on(now_ms);
@@ -116,27 +116,27 @@ impl Run {
         }
     }
 
-    /// The run's folder.
+    /// Folder of the run.
     pub(crate) fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Its newest events.
+    /// Newest events of the run.
     pub(crate) fn ring(&self) -> &Ring {
         &self.ring
     }
 
-    /// When those who follow it are told.
+    /// Schedule of updates for its followers.
     pub(crate) fn pace(&self) -> &Pace {
         &self.pace
     }
 
-    /// How it stands; with `changed`, how it stands then.
+    /// Receiver of its state.
     pub(crate) fn now(&self) -> watch::Receiver<Arc<RunNow>> {
         self.now.subscribe()
     }
 
-    /// The run in one line. While it continues it gets longer, whether its runner has something to say or not.
+    /// The current summary. Its length grows while the run is live, also between snapshots.
     pub(crate) fn summary(&self) -> RunSummary {
         let now = self.now.borrow();
         let mut run = now.run.clone();
@@ -146,7 +146,7 @@ impl Run {
         run
     }
 
-    /// The same with what it takes on disk by now. Reads the disk.
+    /// The summary with the current size on disk. Reads the disk.
     pub(super) fn measured(&self) -> RunSummary {
         let mut run = self.summary();
         if is_live(&run.phase) {
@@ -155,81 +155,81 @@ impl Run {
         run
     }
 
-    /// Its id.
+    /// Id of the run.
     pub(crate) fn id(&self) -> &str {
         &self.id
     }
 
-    /// Whether it continues, or has changed since the server began.
+    /// The run is active, or has changed since the server started.
     pub(crate) fn is_lively(&self) -> bool {
         self.is_live() || self.has_changed.load(Ordering::Relaxed)
     }
 
-    /// It was not there when the server began; it may be over already.
+    /// Marks the run as new or changed since the server started.
     pub(super) fn mark_changed(&self) {
         self.has_changed.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it continues, or is about to.
+    /// The run is active, or about to start.
     pub(crate) fn is_live(&self) -> bool {
         is_live(&self.now.borrow().run.phase)
     }
 
-    /// After how much silence control can be taken over.
+    /// The silence after which control can be taken over.
     pub(super) fn silence(&self) -> Duration {
         self.silence
     }
 
-    /// The way to its runner, if there is one.
+    /// The current link to its runner, if any.
     pub(super) fn link(&self) -> Option<Arc<Link>> {
         self.link.get()
     }
 
-    /// The way to its runner, as soon as there is one; none if the run is over, or it takes too long.
+    /// Waits for a link to its runner. `None` if the run is over or the wait times out.
     pub(super) async fn linked(&self) -> Option<Arc<Link>> {
         if let Some(link) = self.link() {
             return Some(link);
         }
         let mut now = self.now();
         let is_up = |now: &Arc<RunNow>| now.link == LinkState::Up || !is_live(&now.run.phase);
-        // Too late, or never: there is no link then.
+        // After a timeout, the result is the missing link.
         drop(timeout(LINK_TIMEOUT, now.wait_for(is_up)).await);
         self.link()
     }
 
-    /// Waits until someone who looks after a runner that has come to its end knows what it left; not for long.
+    /// Waits, for a limited time, until the supervisor of an ended runner has determined its result.
     pub(super) async fn wait_settled(&self) {
         let mut now = self.now();
         let is_known = |now: &Arc<RunNow>| now.link == LinkState::Over || is_live(&now.run.phase);
         drop(timeout(LINK_TIMEOUT, now.wait_for(is_known)).await);
     }
 
-    /// Lets someone look into an active state for as long as this is held; nothing if too many do.
+    /// A permit to inspect an active state, held until dropped. `None` if too many are in use.
     pub(super) fn guest(&self) -> Option<SemaphorePermit<'_>> {
         self.guests.try_acquire().ok()
     }
 
-    /// Its process is one of ours, and ends like this.
+    /// Sets the receiver of the exit of its process, which this server started.
     pub(super) fn set_exit(&self, exit: oneshot::Receiver<Exit>) {
         *self.exit.lock() = Some(exit);
     }
 
-    /// How its process ends, for whoever waits for that.
+    /// Takes the receiver of the exit of its process.
     pub(super) fn take_exit(&self) -> Option<oneshot::Receiver<Exit>> {
         self.exit.lock().take()
     }
 
-    /// From now on someone looks after its runner; false if someone does already.
+    /// Claims the supervision of its runner. `false` if it is already claimed.
     pub(super) fn try_claim(&self) -> bool {
         !self.is_followed.swap(true, Ordering::AcqRel)
     }
 
-    /// Whether someone looks after its runner, and knows better than can be found.
+    /// The supervision is claimed. The supervisor's state is newer than the one on disk.
     pub(super) fn is_claimed(&self) -> bool {
         self.is_followed.load(Ordering::Acquire)
     }
 
-    /// No one looks after its runner any more.
+    /// Releases the supervision of its runner.
     pub(super) fn release(&self) {
         self.is_followed.store(false, Ordering::Release);
     }
@@ -243,29 +243,29 @@ impl Run {
         });
     }
 
-    /// Sends a note about control to the runner. Without a connection the newest note waits for the next one.
+    /// Sends a note about control to the runner. Without a link, the newest note waits for the next one.
     pub(super) fn send_note(&self, note: Envelope) {
         self.link.send_note(note);
     }
 
-    /// The link is gone; the runner was heard last then.
+    /// Marks the link as lost. `heard_ms` is the time of the runner's last message.
     pub(super) fn clear_link(&self, heard_ms: u64) {
         self.link.disconnect();
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Down, Some(heard_ms)));
     }
 
-    /// Its runner does not answer; it was heard last then.
+    /// Marks the runner as silent. `heard_ms` is the time of its last message.
     pub(super) fn mark_silent(&self, heard_ms: u64) {
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Silent, Some(heard_ms)));
     }
 
-    /// Its runner was silent, and is heard.
+    /// Marks the runner as responsive after silence.
     pub(super) fn mark_heard(&self) {
         let heard_ms = clock::since_1970_ms();
         self.change(|now| (now.link, now.runner_heard_ms) = (LinkState::Up, Some(heard_ms)));
     }
 
-    /// Its runner says whether its engine takes inputs.
+    /// Applies the runner's report about its engine: an engine that accepts no inputs is stuck.
     pub(super) fn engine_answers(&self, engine: EnginePulse) {
         let reached_ms = clock::since_1970_ms().saturating_sub(engine.unreached_ms);
         self.change(|now| {
@@ -276,45 +276,45 @@ impl Run {
         });
     }
 
-    /// A station answers for its runner: this is how the link to the robot is.
+    /// Applies the station's report about the link to the robot of a replica.
     pub(super) fn robot_stands(&self, robot: LinkHealth) {
         self.change(|now| {
             now.link = if robot.is_heard { LinkState::Up } else { LinkState::Silent };
-            // Not heard by this start of the station, it was true when the newest event happened.
+            // If this start of the station received nothing, the newest event gives the time.
             let newest_ms = now.run.started_ms.saturating_add(now.run.length_ms);
             now.runner_heard_ms = robot.heard_ms.or(Some(newest_ms));
             now.robot = Some(robot);
         });
     }
 
-    /// Its process is ended because it did not take a stop: it is not to continue by itself.
+    /// Marks the run as stopped by force, so that it is not resumed automatically.
     pub(super) fn stop_by_force(&self) {
         self.is_stopped_by_force.store(true, Ordering::Release);
     }
 
-    /// Whether that is how its last runner ended; asked once.
+    /// The last runner was stopped by force. Resets the mark.
     pub(super) fn take_stop_by_force(&self) -> bool {
         self.is_stopped_by_force.swap(false, Ordering::AcqRel)
     }
 
-    /// Who looks at how it stands.
+    /// Onlookers of its state.
     pub(crate) fn audience(&self) -> &Onlookers {
         &self.audience
     }
 
-    /// What of it is watched, if it is a robot's.
+    /// Watched values, for the run of a robot.
     pub(super) fn watched(&self) -> &RunWatched {
         &self.watched
     }
 
-    /// Asks the station for what is watched, if it is a robot's.
+    /// Sends the watched targets to the station, for the run of a robot.
     pub(super) fn ask_for_watched(&self) {
         if let Some(link) = self.link().filter(|_| self.is_replica()) {
             link.watch(self.watched.union());
         }
     }
 
-    /// The run was looked at: this is what is true. No one is linked to it.
+    /// Applies the state on disk of a run without a link.
     pub(super) fn apply_summary(&self, summary: &RunSummary) {
         self.ring.settle(summary.events);
         self.change(|now| {
@@ -323,12 +323,12 @@ impl Run {
         });
     }
 
-    /// The run is in this phase.
+    /// Sets the phase of the run.
     pub(super) fn set_phase(&self, phase: RunPhase) {
         self.change(|now| (now.run.phase, now.run.waits) = (phase, None));
     }
 
-    /// Events happened: these are as the runner sent them.
+    /// Adds events as received from the runner.
     pub(super) fn happened(&self, events: &[u8]) -> Result<(), Broken> {
         let finish = self.ring.push(events)?;
         if let Some(Event::Finished { outcome, states_run, .. }) = finish {
@@ -342,12 +342,12 @@ impl Run {
         Ok(())
     }
 
-    /// This is what its runner goes by.
+    /// Sets the facts about the loaded machine.
     pub(super) fn set_loaded(&self, loaded: LoadedMachine) {
         self.change(|now| now.loaded = Some(loaded));
     }
 
-    /// This is how its runner says that it stands.
+    /// Applies a snapshot from its runner.
     pub(super) fn stands(&self, snapshot: Snapshot) {
         let (at, waits) = (clock::since_1970_ms(), RunWait::of(&snapshot));
         let mut is_news = false;
@@ -365,7 +365,7 @@ impl Run {
         }
     }
 
-    /// Looks whether the calendar was set.
+    /// Checks whether the clock was set.
     pub(super) fn look_at_calendar(&self) {
         self.shift_times(&mut self.holding.lock());
     }
@@ -382,21 +382,21 @@ impl Run {
         }
     }
 
-    /// Does something with who holds control; whoever follows the run is told.
+    /// Accesses the state of control and publishes the result.
     pub(super) fn with_holding<T>(&self, act: impl FnOnce(&mut Holding) -> T) -> T {
         let mut holding = self.holding.lock();
         self.shift_times(&mut holding);
         let done = act(&mut holding);
         let control = holding.told(self.silence);
-        // With the lock held: what is told last is what is true.
+        // Published under the lock, so that the last publication is the current state.
         self.change(|now| now.control = control);
         done
     }
 
-    /// Keeps who holds control in the run's folder: what is true when it is written.
+    /// Stores the current state of control in the run's folder.
     pub(super) fn keep_holding(&self) {
         let _one_after_the_other = self.keeping.lock();
-        // No one waits for the disk to be heard.
+        // The lock is not held during the write, so that activity of users never waits for the disk.
         let holding = self.holding.lock().clone();
         if let Err(error) = folder_files::write_holding(&self.folder, &holding) {
             let (id, tell) = (&self.id, self.tell);
@@ -404,7 +404,7 @@ impl Run {
         }
     }
 
-    /// Someone was heard. Whoever follows the run is told now and then only.
+    /// Notes activity of a user. Publishes it only at intervals.
     pub(super) fn heard(&self, user: &str, now_ms: u64) {
         if self.is_replica() {
             return self.tell_robot(user, now_ms);
@@ -420,12 +420,12 @@ impl Run {
         }
     }
 
-    /// Who holds control, and when they were heard last.
+    /// State of control, with the last activity of the holder.
     pub(super) fn control(&self) -> Control {
         self.holding.lock().told(self.silence)
     }
 
-    /// Whether it is the replica of a run on a robot far away: the robot decides who commands it.
+    /// The run is the replica of a run on a remote robot, which decides about control.
     pub(crate) fn is_replica(&self) -> bool {
         self.now.borrow().run.robot.is_some()
     }
@@ -435,21 +435,21 @@ impl Run {
         self.now.borrow().run.robot.clone()
     }
 
-    /// The robot of a replica says who holds control.
+    /// Applies the state of control from the robot of a replica.
     pub(super) fn robot_controls(&self, control: Control) {
         self.change(|now| now.control = control);
     }
 
-    /// A number that no note of this server about this run had.
+    /// A number that is unique among this server's notes about this run.
     pub(super) fn next_note(&self) -> u64 {
         self.notes.fetch_add(1, Ordering::Relaxed)
     }
 
-    /// Tells the robot of a replica now and then that the holder of control is here.
+    /// Reports to the robot of a replica, at intervals, that the holder of control is active.
     fn tell_robot(&self, user: &str, now_ms: u64) {
         let control = self.now.borrow().control.clone();
         let told_ms = self.presence_ms.load(Ordering::Relaxed);
-        // Also if the calendar was set back meanwhile.
+        // Also covers a clock that was set back.
         let is_due = now_ms.abs_diff(told_ms) >= control.silence_ms / 3;
         if control.holder.as_deref() == Some(user)
             && is_due
@@ -460,7 +460,7 @@ impl Run {
         }
     }
 
-    /// Changes the truth, if it is another then; whoever follows is woken.
+    /// Changes the state, and wakes its followers if it differs.
     fn change(&self, change: impl FnOnce(&mut RunNow)) {
         let mut is_news = false;
         self.now.send_if_modified(|now| {
@@ -480,26 +480,26 @@ impl Run {
         }
     }
 
-    /// Whoever lists runs is woken.
+    /// Wakes the listeners of the list of runs.
     fn announce(&self) {
         self.has_changed.store(true, Ordering::Relaxed);
         self.news.send_modify(|revision| *revision += 1);
     }
 }
 
-/// Since when the runner of a run that continues is not heard; the first that was said of a silence counts.
+/// Start of the silence of an active runner. It does not move during the silence.
 fn unheard_since(now: &RunNow) -> Option<u64> {
     let is_unheard =
         is_live(&now.run.phase) && !matches!(now.link, LinkState::Up | LinkState::Over);
     is_unheard.then(|| now.run.unheard_since_ms.or(now.runner_heard_ms)).flatten()
 }
 
-/// Whether a run in this phase continues, or is about to.
+/// A run in this phase is active, or about to start.
 fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }
 
-/// The link to a runner after its engine has answered so.
+/// The state of the link after a report about the engine.
 fn link_with(link: LinkState, engine: EnginePulse) -> LinkState {
     match link {
         LinkState::Up if !engine.is_reached(true) => LinkState::Stuck,

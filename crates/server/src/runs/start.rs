@@ -1,6 +1,6 @@
-//! Starting a run: what is asked is checked, written down, and begun once, however often it is asked for.
+//! Starts a run: validates the request, records it, and starts it once, even if it is repeated.
 //!
-//! Knows requests and folders of runs. Does not know what becomes of a run afterwards.
+//! Knows requests and folders of runs. Does not know the further course of a run.
 
 use super::folder_files::RunRequest;
 use super::launch::{LaunchError, Launched, launch};
@@ -22,14 +22,14 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::time::{sleep, timeout};
 
-/// How long the runner of an earlier server is waited for.
+/// Timeout of a wait for the runner of an earlier server.
 const PREVIOUS_RUNNER_TIMEOUT: Duration = Duration::from_secs(40);
-/// Interval between two looks at a start by an earlier server.
+/// Interval of checks of a start by an earlier server.
 const RETRY_INTERVAL: Duration = Duration::from_secs(1);
-/// The code of a request that is still being carried out.
+/// The code of a request that is still in progress.
 const NOT_FINISHED: &str = "not_finished";
 
-/// Starts the run, or finds the one that was started by this id. It continues also if whoever asks goes away meanwhile.
+/// Starts the run, or finds the one that this id started. Continues even if the client disconnects.
 pub(crate) async fn start(
     server: &Arc<ServerState>,
     who: &Who,
@@ -41,7 +41,7 @@ pub(crate) async fn start(
     to_its_end(async move { once(&server, &author, asked, None).await }).await
 }
 
-/// Starts the machine of a run that is here again, as the run was started.
+/// Starts the machine of a local run again, with the inputs and settings of the run.
 pub(super) async fn start_again_here(
     server: &Arc<ServerState>,
     who: &Who,
@@ -69,14 +69,14 @@ pub(super) async fn for_station(
     }
     loop {
         match once(server, &user, asked.clone(), expiry_ms).await {
-            // An earlier server began to start it.
+            // An earlier server started it, and its runner is not ready.
             Err(failure) if failure.code() == NOT_FINISHED => sleep(RETRY_INTERVAL).await,
             done => return done,
         }
     }
 }
 
-/// What a station asks for, under this id.
+/// The request of a station as a local one, under this id.
 fn resolved(server: &ServerState, of: StartOf, id: String) -> Result<StartRun, Failure> {
     match of {
         StartOf::Machine(asked) => Ok(StartRun { id, ..*asked }),
@@ -91,7 +91,7 @@ fn resolved(server: &ServerState, of: StartOf, id: String) -> Result<StartRun, F
     }
 }
 
-/// Inputs and settings of a run, under this id. A run that was started without the server is refused: its inputs are unknown.
+/// Inputs and settings of a run, under this id. Refuses a run that was started without the server, because its inputs are unknown.
 fn as_started(run: &Run, id: String) -> Result<StartRun, Failure> {
     let before = RunRequest::read(run.folder()).and_then(|request| request.start);
     before.map(|before| StartRun { id, ..before }).ok_or_else(|| {
@@ -106,7 +106,7 @@ fn as_started(run: &Run, id: String) -> Result<StartRun, Failure> {
     })
 }
 
-/// Carries out a request, also if whoever asks goes away meanwhile.
+/// Runs a request to its end, even if the client disconnects.
 pub(super) async fn to_its_end(
     request: impl Future<Output = Result<RunSummary, Failure>> + Send + 'static,
 ) -> Result<RunSummary, Failure> {
@@ -116,13 +116,13 @@ pub(super) async fn to_its_end(
     })
 }
 
-/// What is wrong with a request by itself.
+/// Checks a request without its context.
 pub(super) fn check(asked: &StartRun) -> Result<(), Failure> {
     crate::extract::check_request_id(&asked.id)?;
     must_be_kept(asked)
 }
 
-/// Refuses a run that nobody could follow.
+/// Refuses a run without a journal, because nobody could follow it.
 pub(super) fn must_be_kept(asked: &StartRun) -> Result<(), Failure> {
     if asked.keeping == Keeping::Off {
         let message = "a run under a server is kept, or nobody could follow it: ask for `full` or `status`, or use \
@@ -132,7 +132,7 @@ pub(super) fn must_be_kept(asked: &StartRun) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A start that waits for its turn.
+/// A start that waits for its slot.
 struct PendingStart<'r> {
     author: &'r str,
     asked: StartRun,
@@ -140,7 +140,7 @@ struct PendingStart<'r> {
     expiry_ms: Option<u64>,
 }
 
-/// Starts the run, or finds the one that this author started by this id. Past `expiry_ms` none is started.
+/// Starts the run, or finds the one that this author started with this id. Starts none after `expiry_ms`.
 pub(super) async fn once(
     server: &Arc<ServerState>,
     author: &str,
@@ -195,7 +195,7 @@ impl StartRequestState {
     }
 }
 
-/// The run in this folder, which a server before this one was asked to start: once it has begun, or is known not to have.
+/// The run in this folder, which an earlier server was starting. Waits until it has begun or failed.
 async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<Run>>, Failure> {
     let run = timeout(PREVIOUS_RUNNER_TIMEOUT, supervise::await_beginning(server, folder))
         .await
@@ -220,7 +220,7 @@ fn run_deleted(run: &str) -> Failure {
     Failure::conflict("run_is_gone", message)
 }
 
-/// Begins the run, in the folder of an earlier attempt if there was one.
+/// Starts the run, in the folder of an earlier attempt if one exists.
 async fn begin(
     server: &Arc<ServerState>,
     start: &PendingStart<'_>,
@@ -240,7 +240,7 @@ async fn begin(
     let run = found.ok_or_else(|| not_kept(&folder))?;
     supervise::follow_ours(server, &run, launched, false).await;
     let here = Arc::clone(server);
-    // Old runs make room behind the back of whoever asks.
+    // Deletes old runs in the background, to make room.
     drop(tokio::task::spawn_blocking(move || {
         if let Err(error) = here.runs.folder().give_up_old_ones() {
             (here.settings.tell)(&format!("old runs cannot be deleted: {}", reason(&error)));
@@ -249,7 +249,7 @@ async fn begin(
     Ok(run)
 }
 
-/// Refuses a request whose turn comes after the end of its validity.
+/// Refuses a request that expired before its slot was free.
 pub(super) fn unless_expired(expiry_ms: Option<u64>) -> Result<(), Failure> {
     if expiry_ms.is_some_and(|expiry_ms| clock::since_1970_ms() > expiry_ms) {
         let message = "the request expired before its turn: nothing was done";
@@ -263,8 +263,8 @@ fn not_kept(folder: &Path) -> Failure {
     Failure::conflict("run_is_gone", message)
 }
 
-/// Makes the folder and starts the runner. Before that everything is written down by which another server can do the same. A
-/// run that does not begin leaves nothing.
+/// Makes the folder, records the request so that another server can repeat it, and starts the runner. If the run does not
+/// begin, the folder is removed.
 fn made(
     server: &ServerState,
     asked: &StartRun,
@@ -291,7 +291,7 @@ fn made(
     }
 }
 
-/// Starts the runner; one that dies before anything has happened is followed by another where the policy says so.
+/// Starts the runner. If it dies before its first message, the policy may start another one.
 fn launched(
     server: &ServerState,
     asked: &StartRun,
@@ -314,7 +314,7 @@ fn launched(
     }
 }
 
-/// Why a request could not be written down, as an answer.
+/// The refusal if a request cannot be recorded.
 pub(super) fn cannot_write(folder: &Path, error: &io::Error) -> Failure {
     no_room(&format!("cannot write into {}: {error}", folder.display()))
 }
@@ -323,7 +323,7 @@ fn no_room(why: &str) -> Failure {
     Failure::unavailable("no_folder", why)
 }
 
-/// What a runner is told.
+/// Configuration for a runner.
 fn words(server: &ServerState, machine: PathBuf, asked: &StartRun, folder: &Path) -> Launch {
     Launch {
         machine,
@@ -348,7 +348,7 @@ fn words(server: &ServerState, machine: PathBuf, asked: &StartRun, folder: &Path
     }
 }
 
-/// Why no run began, as an answer.
+/// The refusal if no run began.
 pub(super) fn not_launched(error: &LaunchError) -> Failure {
     let (why, code) = match error {
         LaunchError::Load(_) => (Reason::Unprocessable, "load_failed"),

@@ -1,4 +1,4 @@
-//! What lies in the folder of a run, in one line. Knows folders, requests and journals; may take its time.
+//! Summary of a run's folder. Knows folders, requests and journals. Blocks.
 
 use super::folder_files::RunRequest;
 use super::leftovers::OUTPUT_FILE;
@@ -10,19 +10,19 @@ use rafcon_storage::journal::{About, RunState, Summary, has_begun};
 use rafcon_supervisor::is_alive;
 use std::path::Path;
 
-/// Why a run that was asked for has not begun.
+/// Reason in the phase of a requested run that has not begun.
 const NOT_BEGUN: &str = "its server or its runner ended before it had begun; the same request, with the same id, starts it";
 
-/// What was found in a folder.
+/// Result of reading a folder.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FolderSummary {
-    /// The run in one line.
+    /// Summary of the run.
     pub(super) summary: RunSummary,
-    /// What a server was asked about it.
+    /// The request that is recorded in the folder.
     pub(super) request: Option<RunRequest>,
 }
 
-/// Looks into the folder of a run; nothing if it is none.
+/// Reads the folder of a run. `None` if it contains no run.
 pub(super) fn look(folder: &Path, projects: &Projects) -> Option<FolderSummary> {
     let request = RunRequest::read(folder);
     if folder.join(ABOUT_FILE).is_file() {
@@ -36,13 +36,13 @@ pub(super) fn look(folder: &Path, projects: &Projects) -> Option<FolderSummary> 
     Some(FolderSummary { summary, request: Some(asked) })
 }
 
-/// Whether a run that was asked for here lost its runner before anything had happened.
+/// A requested run lost its runner before its first event.
 fn is_open(summary: &RunSummary, request: Option<&RunRequest>, folder: &Path) -> bool {
     let is_asked_for = request.is_some_and(|request| request.start.is_some());
     is_asked_for && summary.phase == RunPhase::Crashed && !has_begun(folder)
 }
 
-/// A run that keeps what it is.
+/// Summary of a run with a journal.
 fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> RunSummary {
     let Summary { id, name, started_ms, state, length_ms, events, bytes, received_ms, .. } =
         Summary::of(folder);
@@ -66,7 +66,7 @@ fn kept(folder: &Path, projects: &Projects, request: Option<&RunRequest>) -> Run
     }
 }
 
-/// A run that was asked for and does not keep anything yet.
+/// Summary of a requested run without a journal.
 fn asked_for(folder: &Path, request: &RunRequest) -> RunSummary {
     let phase = if is_alive(&folder.join(OUTPUT_FILE)) {
         RunPhase::Starting

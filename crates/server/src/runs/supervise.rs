@@ -1,7 +1,7 @@
-//! What becomes of a run whose runner is followed: linked while it lives, linked again when only the link broke, and when the
-//! runner is dead, resumed by its policy or left for someone to decide.
+//! Supervises a run: connects to its runner, reconnects after a broken link, and after the runner's death resumes the run by its
+//! policy, or leaves the decision to a user.
 //!
-//! Knows the order of things. Does not know who asks for them.
+//! Knows the order of these steps. Does not know the requests.
 
 use super::folder_files::RunRequest;
 use super::launch::Launched;
@@ -21,15 +21,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// After a link broke, the runner is looked for again after this time, then after twice as much, and so on up to the longest.
+/// First interval before a reconnection. It doubles up to the longest.
 const RECONNECT_MIN: Duration = Duration::from_millis(2);
-/// See [`RECONNECT_MIN`].
+/// The longest interval, see [`RECONNECT_MIN`].
 const RECONNECT_MAX: Duration = Duration::from_secs(1);
-/// How long the exit status of a process of our own is waited for, once it holds its run no more.
+/// Timeout for the exit status of the server's own process, once it has released its run.
 const EXIT_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Looks into a folder and lets everyone know what is there; nothing if there is no run. A run that someone follows already is
-/// known better than it can be found.
+/// Reads a folder and publishes the result. `None` if it contains no run. A claimed run keeps the state that its supervisor
+/// has set.
 pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<Arc<Run>> {
     let (here, there) = (Arc::clone(server), folder.clone());
     let look = move || super::summary::look(&there, &here.projects);
@@ -37,22 +37,22 @@ pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<A
     server.runs.found(server, &folder, looked)
 }
 
-/// Looks after the runner of a run from now on, if no one does yet.
+/// Supervises the runner of a run, unless it is already claimed.
 pub(super) fn follow(server: &Arc<ServerState>, run: &Arc<Run>) {
     if run.try_claim() {
         look_after(server, run);
     }
 }
 
-/// Looks after the runner of a run that is in our hand.
+/// Supervises the runner of a claimed run.
 fn look_after(server: &Arc<ServerState>, run: &Arc<Run>) {
     let (server, run) = (Arc::clone(server), Arc::clone(run));
     let life = RunSupervisor { server, run, lives: RestartPolicy::default(), control: None };
     tokio::spawn(life.go_on());
 }
 
-/// Looks after a runner that was just started, of a run that is in our hand already if `is_claimed`, and waits until it can be
-/// commanded: until then it knows that someone looks on.
+/// Supervises a runner that was just started, and waits until it accepts commands. `is_claimed` means that the caller has claimed
+/// the run. The first connection counts as a viewer until then.
 pub(super) async fn follow_ours(
     server: &Arc<ServerState>,
     run: &Arc<Run>,
@@ -71,7 +71,7 @@ pub(super) async fn follow_ours(
     drop(control);
 }
 
-/// What was known about a run may be true no more: looks, and follows it if it lives.
+/// Reads the folder of a run again, and supervises the run if it is live.
 pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
     if let Some(run) = Box::pin(look(server, run.folder().to_path_buf())).await
         && run.summary().phase == RunPhase::Live
@@ -81,19 +81,19 @@ pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
     }
 }
 
-/// True if a process writes the run. A replica without a station has none, although its run may continue.
+/// A process writes the run. A replica without a station has none, although its run may be active.
 async fn look_for_writer(run: &Run) -> bool {
     let folder = run.folder().to_path_buf();
     let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
     matches!(writer, Ok(Ok(Some(_))))
 }
 
-/// The runners of one run, one after the other.
+/// Supervises the successive runners of one run.
 struct RunSupervisor {
     server: Arc<ServerState>,
     run: Arc<Run>,
     lives: RestartPolicy,
-    /// Our first connection to a runner that we started: closed when the next one stands.
+    /// First connection to a runner that this server started, closed when the next one is open.
     control: Option<UnixStream>,
 }
 
@@ -105,18 +105,18 @@ impl RunSupervisor {
                 break;
             }
         }
-        // Someone else may have taken it up in between.
+        // Another program may have resumed it in between.
         look_again(&self.server, &self.run).await;
     }
 
-    /// No one looks after the run from now on; only then it is told how it stands, so that whoever knows can resume it.
+    /// Releases the claim, then publishes, so that a client that sees the state can resume the run.
     fn end(&self, summary: &RunSummary) -> bool {
         self.run.release();
         self.run.apply_summary(summary);
         false
     }
 
-    /// Follows the runner for as long as it lives.
+    /// Follows the runner until it dies.
     async fn until_it_is_dead(&mut self) {
         let mut pause = RECONNECT_MIN;
         loop {
@@ -134,7 +134,7 @@ impl RunSupervisor {
         }
     }
 
-    /// The runner is dead: whether another follows. If not, the run is let go.
+    /// Handles a dead runner. Returns `true` if another one follows; otherwise the claim is released.
     async fn restart_if_due(&mut self) -> bool {
         let exit = self.exit().await;
         let (server, folder) = (Arc::clone(&self.server), self.run.folder().to_path_buf());
@@ -168,9 +168,9 @@ impl RunSupervisor {
                         self.run.set_exit(launched.exit);
                         true
                     }
-                    // Someone else has taken it up meanwhile: a server before this one, or the command line.
+                    // Another program has resumed it: an earlier server, or the command line.
                     Err(_late) if look_for_writer(&self.run).await => true,
-                    // It died before it had taken the run up: one more death.
+                    // The new runner died before it resumed the run. The policy counts it.
                     Err(error) if error.is_death() => true,
                     Err(error) => {
                         let (id, why) = (self.run.id(), reason(&error));
@@ -183,7 +183,7 @@ impl RunSupervisor {
         }
     }
 
-    /// Someone has to decide what becomes of the run.
+    /// Leaves the decision about the run to a user.
     async fn leave_for_decision(&self, summary: &RunSummary, request: RunRequest) -> bool {
         resume::leave_alone(&self.server, &self.run, request).await;
         self.end(summary)
@@ -195,15 +195,15 @@ impl RunSupervisor {
     }
 }
 
-/// Waits until a run begins, or is known not to, that a server before this one was starting when it ended; follows one that
-/// has begun. Nothing if its folder is gone.
+/// Waits for a run that an earlier server was starting until it begins or fails. Supervises a run that has begun. `None` if its
+/// folder no longer exists.
 pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) -> Option<Arc<Run>> {
     let mut pause = RECONNECT_MIN;
     loop {
         let run = look(server, folder.to_path_buf()).await?;
         match run.summary().phase {
             RunPhase::Starting => {}
-            // A runner that has made its journal may die before anything happens.
+            // A runner may die after it made its journal, but before its first event.
             RunPhase::Live if run.link().is_none() && !begins(folder).await => {}
             RunPhase::Live => {
                 follow(server, &run);
@@ -216,13 +216,13 @@ pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) ->
     }
 }
 
-/// Whether anything has happened in the run of this folder.
+/// The run in this folder has events.
 async fn begins(folder: &Path) -> bool {
     let folder = folder.to_path_buf();
     tokio::task::spawn_blocking(move || has_begun(&folder)).await.unwrap_or_default()
 }
 
-/// Whether a run that is found when the server begins is to be looked after: it lives, or it would continue by itself.
+/// At the start of the server, a found run needs supervision: it is live, or its policy resumes it.
 pub(super) fn needs_somebody(looked: &FolderSummary, policy: OnCrash) -> bool {
     let FolderSummary { summary, request } = looked;
     let may_go_on = || request.as_ref().is_some_and(RunRequest::may_go_on);

@@ -1,5 +1,5 @@
-//! One client's connection: every cause of work is one [`Cause`], taken one after the other. Knows frames and whom they are
-//! for, but not what lies behind the desk, or how a frame reaches the other side.
+//! The connection of one client: each event is a [`Cause`], and causes are processed in order. Knows frames and their routing; does
+//! not know the handling of requests, nor the transport.
 
 use super::outbox::{Lane, Outbox, length};
 use super::pulse::ClientPulse;
@@ -18,25 +18,25 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::select;
 
-/// So many commands and edits of one client may be under way; then its frames wait.
+/// Maximum number of pending commands and edits of a client. At the limit, its next frames wait.
 const UNDER_WAY_MAX: usize = 32;
-/// How long a client that is sent away may take for the reason.
+/// Time limit for a client to receive the reason before its connection is closed.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A message from the client, or why there is none.
+/// A message from the client, or a transport error.
 type Received = Result<Message, axum::Error>;
 
-/// Why there is something to do.
+/// An event that the connection processes.
 enum Cause {
-    /// The client said something, or went.
+    /// A message of the client; `None` once it has disconnected.
     Received(Option<Received>),
-    /// A command or an edit has its answer.
+    /// The result of a command or an edit.
     Answered(ToClient),
-    /// A subscription has come to its end, or was given up.
+    /// The end of a subscription, by itself or by the client.
     NextMessage(Result<u32, Aborted>),
 }
 
-/// Serves a client until it goes, or is sent away.
+/// Serves a client until it disconnects or is rejected.
 pub(super) async fn serve<S>(handler: RequestHandler, socket: S)
 where
     S: Stream<Item = Received> + Sink<Message, Error = axum::Error> + Send,
@@ -55,12 +55,12 @@ where
     if let Some((failure, code)) = farewell {
         let reason = CloseFrame { code, reason: failure.refusal().code.into() };
         outbox.farewell(words::text(&words::refused(None, &failure)), reason);
-        // Whoever does not take the reason in time goes without it.
+        // A client that does not receive the reason in time is disconnected without it.
         drop(tokio::time::timeout(CLOSE_TIMEOUT, writer).await);
     }
 }
 
-/// Sends what is in the outbox, one frame after the other, until the last one or until no one takes them.
+/// Sends the frames in the outbox in order, until the last one or a transport error.
 async fn write(
     mut sink: impl Sink<Message, Error = axum::Error> + Unpin,
     outbox: &Outbox,
@@ -74,7 +74,7 @@ async fn write(
             return;
         }
         outbox.sent(lane, length);
-        // A ping only shows that no one was there to be asked before.
+        // A sent ping does not prove that the client is alive.
         if is_text {
             pulse.beat();
         }
@@ -87,7 +87,7 @@ struct Connection {
     outbox: Arc<Outbox>,
     answers: FuturesOrdered<BoxFuture<'static, ToClient>>,
     feeds: FuturesUnordered<Abortable<BoxFuture<'static, u32>>>,
-    /// By which each subscription is given up.
+    /// Cancels a subscription, by number.
     handles: BTreeMap<u32, AbortHandle>,
 }
 
@@ -103,7 +103,7 @@ impl Connection {
         }
     }
 
-    /// Serves until the client goes (nothing) or is sent away (why).
+    /// Serves until the client disconnects (`None`) or is rejected (the reason and the close code).
     async fn run(
         mut self,
         stream: impl Stream<Item = Received> + Send,
@@ -131,7 +131,7 @@ impl Connection {
         }
     }
 
-    /// The next cause. A client that does not take what it is told, or has too much under way, is not listened to.
+    /// The next event. Reads no frames while the outbox is full or too many requests are pending.
     async fn wait(&mut self, mut stream: impl Stream<Item = Received> + Unpin) -> Cause {
         let (outbox, is_free) = (&self.outbox, self.answers.len() < UNDER_WAY_MAX);
         let heard = async {
@@ -198,11 +198,11 @@ impl Connection {
         if let Some(handle) = self.handles.remove(&subscription) {
             handle.abort();
         }
-        // After all that was told of it.
+        // Queued after all frames of the subscription.
         self.outbox.push(Lane::History, words::text(&words::ended(subscription, None)));
     }
 
-    /// Nothing more will come of a subscription; one that was given up is forgotten already.
+    /// Removes a subscription that has ended by itself. A cancelled one is already removed.
     fn forget(&mut self, ended: Result<u32, Aborted>) {
         if let Ok(subscription) = ended {
             self.handles.remove(&subscription);

@@ -1,38 +1,38 @@
-//! How a subscription is told: when there is something, when it is due, and when there is room. Knows frames as text and the
-//! outbox, but not what they are about.
+//! Sends a subscription's frames when there is data, its interval has passed, and the outbox has room. Knows frames as text and
+//! the outbox, but not the content.
 
 use super::outbox::{Lane, Outbox, Ticket};
 use tokio::time::{Instant, sleep_until};
 
-/// What there is to tell of a subscription.
+/// The next frame of a subscription.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum NextMessage {
-    /// A frame; the next one may wait until it is due.
+    /// A frame; the next one waits for its time.
     Now(String),
-    /// A frame, and more behind it.
+    /// A frame, followed by more without delay.
     Part(String),
-    /// Nothing yet.
+    /// No frame is available yet.
     Nothing,
-    /// The last frames: nothing more will come.
+    /// The last frame. The subscription then ends.
     Last(String),
 }
 
-/// What a subscription is told from.
+/// The source of a subscription's frames.
 pub(super) trait Feed: Send {
-    /// Where it stands in line.
+    /// Lane of its frames in the outbox.
     const LANE: Lane;
 
-    /// When the next frame may come after one that was no part.
+    /// Earliest time of the next frame after one that was not a part.
     fn next_time(&self) -> Instant;
 
-    /// Waits until there may be something to tell.
+    /// Waits until there may be a frame.
     fn ready(&mut self) -> impl Future<Output = ()> + Send;
 
-    /// What there is to tell now. Asked when there is room: nothing is held while a client does not take it.
+    /// The next frame. Called only when the outbox has room, so that no data is held for a slow client.
     fn take(&mut self) -> impl Future<Output = NextMessage> + Send;
 }
 
-/// Tells a subscription until nothing more will come.
+/// Sends the frames of a subscription until its end.
 pub(super) async fn tell(feed: impl Feed, outbox: &Outbox) {
     let (due, last) = (Instant::now(), Ticket::default());
     let mut telling = Telling { feed, outbox, due, last };
@@ -42,14 +42,14 @@ pub(super) async fn tell(feed: impl Feed, outbox: &Outbox) {
 struct Telling<'o, F> {
     feed: F,
     outbox: &'o Outbox,
-    /// When the next frame may come.
+    /// Earliest time of the next frame.
     due: Instant,
-    /// The last frame: the next one is made when the client has taken it.
+    /// The last frame. The next one is made only after the client has taken it.
     last: Ticket,
 }
 
 impl<F: Feed> Telling<'_, F> {
-    /// One frame, or none; false after the last.
+    /// Sends at most one frame. Returns `false` after the last one.
     async fn step(&mut self) -> bool {
         self.feed.ready().await;
         sleep_until(self.due).await;

@@ -1,5 +1,5 @@
-//! A run's history for one client: each event once, from a cursor on, out of the journal as long as the ring has given up what
-//! comes next, then out of the ring. Knows cursors and texts, but not what an event says.
+//! A run's history for one client: each event once, from a cursor on, first from the journal, then from the ring once it holds the
+//! next event. Knows cursors and texts, but not the content of events.
 
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
@@ -16,43 +16,43 @@ use tokio::select;
 use tokio::sync::watch;
 use tokio::time::{Instant, timeout};
 
-/// About so many bytes of events are told at once: a page is four seconds of the slowest network that is served (64 kbit/s), and
-/// the latest truth waits for one page at most.
+/// Approximate size of a page, in bytes. A page takes four seconds on the slowest supported network (64 kbit/s), and a status
+/// waits for at most one page.
 const PAGE_BYTES: usize = 32 << 10;
-/// At most so many events are told at once.
+/// Maximum number of events in a page.
 const PAGE_COUNT: usize = 1000;
-/// After so long a journal is read again that lacks what its run told of, if nothing happens before.
+/// Retry interval for a journal that lacks events which its run has reported, if nothing changes before.
 const STALLED: Duration = Duration::from_secs(1);
 
-/// Where a reader stands.
+/// Position of a reader in a history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cursor {
     subscription: u32,
-    /// The first event that it was not told.
+    /// The first event that was not sent.
     next: u64,
     values: bool,
-    /// It knows that it was told everything that there was at some time.
+    /// The client has been informed that it has received all events up to some time.
     has_caught_up: bool,
 }
 
-/// What a reader is to be told.
+/// The next message for a reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum NextEvents {
     Events,
-    /// That it has caught up.
+    /// The reader has caught up.
     CaughtUp,
-    /// That nothing more will come.
+    /// The history is complete.
     End,
     Nothing,
 }
 
 impl Cursor {
-    /// A reader that was told everything before event `from`.
+    /// A reader that has received everything before event `from`.
     pub(super) fn new(subscription: u32, from: u64, values: bool) -> Self {
         Self { subscription, next: from.max(1), values, has_caught_up: false }
     }
 
-    /// What is due when event `last` is the last, and if the run is over nothing follows it.
+    /// The next message, if `last` is the last event and the run may be over.
     fn due(&self, last: u64, is_over: bool) -> NextEvents {
         match (self.next <= last, self.has_caught_up, is_over) {
             (true, _, _) => NextEvents::Events,
@@ -62,7 +62,7 @@ impl Cursor {
         }
     }
 
-    /// Goes on to before event `next`; between there are these.
+    /// Moves the cursor to `next`. Returns a frame with these events, if any.
     fn tell(&mut self, events: &[impl AsRef<str>], next: u64) -> Option<String> {
         self.next = next;
         (!events.is_empty()).then(|| words::events(self.subscription, next, events))
@@ -86,14 +86,14 @@ pub(super) struct RunHistory {
     last: watch::Receiver<u64>,
     journal: HistoryReader,
     cursor: Cursor,
-    /// The journal had not what it should have: it is about to be resumed.
+    /// The journal lacked expected events, so a retry is due.
     is_stalled: bool,
     history: History,
-    /// How much is told of what there is already; none: all of it, or it was decided.
+    /// Limit on the existing events to send. `None` for no limit, or once it was applied.
     most: Option<Most>,
 }
 
-/// How many events are told, and how many of the newest if there are more.
+/// Beyond `most` events, only the `newest` are sent.
 #[derive(Debug, Clone, Copy)]
 struct Most {
     most: u64,
@@ -108,12 +108,13 @@ impl RunHistory {
         Self { run, now, last, journal, cursor, is_stalled: false, history, most: None }
     }
 
-    /// The same; of more than `most` events only so many of the newest.
+    /// Limits the history: beyond `most` events, it begins with the `newest` ones.
     pub(super) fn newest(self, most: u64, newest: u64) -> Self {
         Self { most: Some(Most { most, newest: newest.min(most) }), ..self }
     }
 
-    /// Goes on to the newest events if there are too many; says so. A journal that cannot be read says so when it is read.
+    /// Applies the limit: moves to the newest events and returns the frame about the skipped ones. Ignores an unreadable journal, which
+    /// the next read reports.
     async fn skip(&mut self, Most { most, newest }: Most) -> Option<NextMessage> {
         let (from, told) = (self.cursor.next, *self.last.borrow());
         let skipped = move |reader: &mut Reader| -> Result<Option<Before>, Failure> {
@@ -132,7 +133,7 @@ impl RunHistory {
     }
 
     fn due(&self) -> NextEvents {
-        // Asked first: once a run is over, its last event is known.
+        // Checked first: once a run is over, its last event is known.
         let is_over = self.is_over();
         self.cursor.due(*self.last.borrow(), is_over)
     }
@@ -141,9 +142,9 @@ impl RunHistory {
         is_over(&self.now.borrow().run.phase)
     }
 
-    /// Waits until something about the run is different.
+    /// Waits for a change of the run.
     async fn change(&mut self) {
-        // Whoever changes it lives as long as the run that is held here.
+        // The senders live as long as the run that is held here.
         select! {
             _ = self.now.changed() => {}
             _ = self.last.changed() => {}
@@ -157,7 +158,7 @@ impl RunHistory {
         }
     }
 
-    /// What only the journal has.
+    /// Events from the journal.
     async fn kept(&mut self) -> NextMessage {
         let (from, is_over) = (self.cursor.next, self.is_over());
         let page = self.journal.page(from, PAGE_COUNT, PAGE_BYTES).await;
@@ -175,7 +176,7 @@ impl RunHistory {
         }
     }
 
-    /// What the ring has.
+    /// Events from the ring.
     fn live(&mut self, groups: &[Arc<EventGroup>]) -> NextMessage {
         let Cursor { next: from, values, .. } = self.cursor;
         let texts = groups.iter().flat_map(|group| group.texts(values));
@@ -228,7 +229,7 @@ impl Feed for RunHistory {
     }
 }
 
-/// Whether nothing will follow in a run's history.
+/// The history of a run in this phase is complete.
 fn is_over(phase: &RunPhase) -> bool {
     match phase {
         RunPhase::Starting | RunPhase::Live | RunPhase::Crashed => false,
@@ -239,7 +240,7 @@ fn is_over(phase: &RunPhase) -> bool {
     }
 }
 
-/// Why there is no history.
+/// Reason why the run has no history.
 fn lacking(phase: &RunPhase) -> Option<Failure> {
     match phase {
         RunPhase::NotStarted { reason } | RunPhase::Unreadable { reason } => {

@@ -1,5 +1,5 @@
-//! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; knows nothing of
-//! what a revision says.
+//! An open machine's history for one client: each revision once, from a cursor on. Knows cursors and texts; does not know the
+//! content of revisions.
 
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
@@ -17,14 +17,14 @@ pub(super) struct MachineHistory {
     session: Arc<MachineSession>,
     last: watch::Receiver<u64>,
     subscription: u32,
-    /// The first revision that the client was not told.
+    /// The first revision that was not sent.
     next: u64,
-    /// The machine was closed: what there is now is all there will be.
+    /// The machine was closed, so no further revisions will come.
     is_over: bool,
 }
 
 impl MachineHistory {
-    /// A client that has seen everything before revision `from`.
+    /// A client that has received everything before revision `from`.
     pub(super) fn new(
         session: Arc<MachineSession>,
         subscription: u32,

@@ -1,7 +1,7 @@
-//! The WebSocket: subscriptions to histories and to the latest truth, commands and edits, over one connection.
+//! The WebSocket: subscriptions to histories and statuses, commands and edits, over one connection.
 //!
-//! Knows frames, pace and room. Must never slow a runner down, nor hold more of what a client does not take than a page for each
-//! of its subscriptions.
+//! Knows frames, pace and capacity. Must never slow a runner down, nor buffer more for a slow client than one page per
+//! subscription.
 
 mod connection;
 mod feed;
@@ -30,13 +30,13 @@ use utoipa_axum::routes;
 /// The largest frame that is read, in bytes: an edit may bring a whole machine.
 const FRAME_BYTES_MAX: usize = 1 << 20;
 
-/// So much is read at once, in bytes: clients say little, and each has a buffer of its own.
+/// Size of a connection's read buffer, in bytes. It is small, because clients send little.
 const READ_BYTES: usize = 16 << 10;
 
-/// What all connections share.
+/// State shared by all connections.
 #[derive(Debug, Default)]
 pub(crate) struct Sockets {
-    /// How many connections there were.
+    /// Number of connections since the start.
     count: AtomicU64,
 }
 
@@ -44,7 +44,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::new().routes(routes!(socket))
 }
 
-/// A WebSocket: docs/protocol.md says what is spoken there.
+/// A WebSocket; docs/protocol.md describes its frames.
 #[utoipa::path(
     get,
     path = "/api/v1/socket",

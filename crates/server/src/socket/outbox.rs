@@ -1,34 +1,34 @@
-//! What is on its way to one client, bounded by its bytes: frames in two lanes, each in order. Does not know what they say.
+//! The frames queued for one client, limited in bytes: two lanes, each in order. Does not know the content.
 
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes};
 use rafcon_locks::Mutex;
 use std::collections::VecDeque;
 use tokio::sync::{AcquireError, Notify, Semaphore, SemaphorePermit, watch};
 
-/// With so many bytes under way nothing more is fetched for a client; what is about to come may go beyond it.
+/// Capacity in bytes. At the limit no more frames are made; those already in progress may exceed it.
 pub(super) const FULL: usize = 256 << 10;
 
-/// After so many frames of the latest truth in a row one of history is sent, however much truth there is.
+/// Maximum number of consecutive status frames while history waits.
 const STATUS_IN_A_ROW: u32 = 8;
 
-/// Frames are sent, and those who wait for room stand, in one of two lanes, so that the latest truth does not wait for history:
-/// neither for it to be read, nor for a slow network to take it.
+/// Frames, and producers that wait for room, are divided into two lanes, so that a status never waits for history: neither for
+/// its read, nor for its transfer over a slow network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Lane {
-    /// Told whole.
+    /// Complete sequences of events or revisions.
     History,
-    /// The latest truth, and answers.
+    /// Statuses, and replies to requests.
     Status,
 }
 
-/// How many bytes were put in so far, and how many of them the client has taken.
+/// Bytes queued in a lane, and bytes taken by the client.
 #[derive(Debug, Clone, Copy, Default)]
 struct Flow {
     put: usize,
     sent: usize,
 }
 
-/// The same for each lane.
+/// The byte counts of both lanes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Flows {
     history: Flow,
@@ -50,22 +50,22 @@ impl Flows {
         }
     }
 
-    /// How many bytes are under way.
+    /// Number of bytes in transit.
     fn bytes(&self) -> usize {
         self.history.put - self.history.sent + self.status.put - self.status.sent
     }
 }
 
-/// By which it is known when a frame was taken; none: there was no frame.
+/// Identifies a frame, to wait until it is taken. Empty without a frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ticket(Option<(Lane, usize)>);
 
-/// The frames that wait.
+/// The queued frames of both lanes.
 #[derive(Debug, Default)]
 struct Frames {
     history: VecDeque<Message>,
     status: VecDeque<Message>,
-    /// So many frames of the latest truth were sent since the last one of history.
+    /// Number of status frames sent since the last history frame.
     in_a_row: u32,
 }
 
@@ -113,17 +113,17 @@ impl Outbox {
         }
     }
 
-    /// Puts a text frame in, whether there is room or not: answers are bounded by what was asked.
+    /// Queues a text frame regardless of the capacity: replies are limited by the number of requests.
     pub(super) fn push(&self, lane: Lane, text: impl Into<Utf8Bytes>) -> Ticket {
         self.put(lane, Message::Text(text.into()))
     }
 
-    /// Asks whether the other side is there.
+    /// Queues a ping to the client.
     pub(super) fn ping(&self) {
         self.put(Lane::Status, Message::Ping(axum::body::Bytes::new()));
     }
 
-    /// Puts the last frames in; what the client has not taken yet is left out.
+    /// Discards all queued frames and queues the last ones.
     pub(super) fn farewell(&self, text: String, close: CloseFrame) {
         self.frames.lock().clear();
         self.put(Lane::Status, Message::Text(text.into()));
@@ -143,7 +143,7 @@ impl Outbox {
         ticket
     }
 
-    /// Waits until the client has taken enough of what was put in.
+    /// Waits until the queue is below its capacity.
     pub(super) async fn session(&self) {
         self.until(|flows| flows.bytes() < FULL).await;
     }
@@ -156,11 +156,11 @@ impl Outbox {
     }
 
     async fn until(&self, is_so: impl Fn(&Flows) -> bool) {
-        // The sender lives as long as `self`, so that there is always an answer.
+        // The sender lives as long as `self`, so the wait cannot fail.
         drop(self.flows.subscribe().wait_for(is_so).await);
     }
 
-    /// Waits for room and for one's turn in a lane. Whoever has it puts one thing in and gives it back.
+    /// Waits for room and for exclusive use of a lane. The holder queues one item and releases it.
     pub(super) async fn turn(&self, lane: Lane) -> Result<SemaphorePermit<'_>, AcquireError> {
         let turn = match lane {
             Lane::History => self.history.acquire().await?,
@@ -170,7 +170,7 @@ impl Outbox {
         Ok(turn)
     }
 
-    /// The next frame to be sent, and its lane. It counts until [`Self::sent`] says that it was.
+    /// The next frame and its lane. It counts as queued until [`Self::sent`] confirms it.
     pub(super) async fn next(&self) -> (Lane, Message) {
         loop {
             if let Some(next) = self.frames.lock().take() {
@@ -180,19 +180,19 @@ impl Outbox {
         }
     }
 
-    /// So many bytes of a lane were taken.
+    /// Confirms that the client has taken these bytes of a lane.
     pub(super) fn sent(&self, lane: Lane, bytes: usize) {
         self.flows.send_modify(|flows| flows.of_mut(lane).sent += bytes);
     }
 
-    /// How many bytes are under way.
+    /// Number of bytes in transit.
     #[cfg(test)]
     pub(super) fn bytes(&self) -> usize {
         self.flows.borrow().bytes()
     }
 }
 
-/// What a frame counts.
+/// Size of a frame in bytes.
 pub(super) fn length(frame: &Message) -> usize {
     match frame {
         Message::Text(text) => text.len(),

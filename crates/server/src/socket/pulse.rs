@@ -1,16 +1,16 @@
-//! Whether someone is at the other end of a connection. Knows when the client was heard, or took something, last.
+//! Detects dead connections. Knows the time of a client's last sign of life.
 
 use super::outbox::Outbox;
 use rafcon_locks::Mutex;
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until};
 
-/// So often the client is asked, whatever else it is told: an answer shows that it is there though it wants nothing.
+/// Interval of pings. A reply shows that an idle client is alive.
 const ASKED_EVERY: Duration = Duration::from_secs(10);
-/// After so much silence no one is there.
+/// Silence after which a client counts as disconnected.
 const GONE_AFTER: Duration = Duration::from_mins(1);
 
-/// Signs of life of a client.
+/// The last sign of life of a client.
 #[derive(Debug)]
 pub(super) struct ClientPulse {
     last: Mutex<Instant>,
@@ -21,7 +21,7 @@ impl ClientPulse {
         Self { last: Mutex::new(Instant::now()) }
     }
 
-    /// The client was heard, or took what was sent.
+    /// Notes a message of the client, or a frame that it took.
     pub(super) fn beat(&self) {
         *self.last.lock() = Instant::now();
     }
@@ -30,7 +30,7 @@ impl ClientPulse {
         *self.last.lock()
     }
 
-    /// Waits until no one is there; meanwhile the client is asked again and again.
+    /// Waits until the client counts as disconnected. Sends pings meanwhile.
     pub(super) async fn end(&self, outbox: &Outbox) {
         let mut ask_at = Instant::now() + ASKED_EVERY;
         loop {
@@ -54,7 +54,7 @@ mod tests {
     use std::time::Duration;
     use tokio::time::{Instant, sleep_until};
 
-    /// When a client is asked, and when it is gone, that was heard at these seconds.
+    /// Prints the times of pings and of the disconnection for a client that is active at these seconds.
     async fn check(heard: &[u64], expect: &Expect) {
         let (outbox, pulse, begin) = (Outbox::new(), ClientPulse::new(), Instant::now());
         let mut text = String::new();

@@ -1,5 +1,5 @@
-//! What a client can have of the server: the one place where the socket meets the other parts of the server. Knows who the client
-//! is and whom to ask, but not how anything is told.
+//! Access of a client to the server: the only connection between the socket and the other parts. Knows the client and the
+//! responsible parts, but not the delivery of frames.
 
 use super::feed::tell;
 use super::history::{Cursor, RunHistory};
@@ -23,18 +23,18 @@ use tokio::select;
 use tokio::sync::Mutex;
 use tokio::time::sleep;
 
-/// So often it is looked whether a client is still welcome, if nothing says that it is not.
+/// Interval of checks of the client's rights, in addition to notifications.
 const ASKED_EVERY: Duration = Duration::from_secs(15);
 
-/// One client's access to the server.
+/// Access of one client to the server.
 #[derive(Debug, Clone)]
 pub(super) struct RequestHandler {
     server: Arc<ServerState>,
     who: Who,
     connection: u64,
-    /// One change of a machine after the other, in the order in which they were asked for.
+    /// Serializes changes of machines, in the order of their requests.
     turn: Arc<Mutex<()>>,
-    /// The machine that the client looks at.
+    /// The machine whose states the client shows.
     looks_at: Arc<rafcon_locks::Mutex<Option<String>>>,
 }
 
@@ -43,12 +43,12 @@ impl RequestHandler {
         Self { server, who, connection, turn: Arc::default(), looks_at: Arc::default() }
     }
 
-    /// Who the client is.
+    /// The user when the connection began.
     pub(super) fn who(&self) -> &Who {
         &self.who
     }
 
-    /// The first frame.
+    /// The first frame of a connection.
     pub(super) fn welcome(&self) -> ToClient {
         ToClient::Welcome {
             protocol: VERSION,
@@ -58,7 +58,7 @@ impl RequestHandler {
         }
     }
 
-    /// Waits until the client has to go: why, and the code that says so.
+    /// Waits until the client must be disconnected. Returns the reason and the close code.
     pub(super) async fn unwelcome(&self) -> (Failure, u16) {
         let (mut closing, mut people) = (self.server.closing(), self.server.people().revision());
         loop {
@@ -66,7 +66,7 @@ impl RequestHandler {
                 Ok(who) => who,
                 Err(failure) => return (failure, close_code::POLICY),
             };
-            // The server keeps what sends as long as it stands.
+            // The server holds the senders as long as it lives.
             select! {
                 _ = closing.wait_for(|is_closing| *is_closing) => return (closes(), close_code::AWAY),
                 _ = people.changed() => {}
@@ -75,7 +75,7 @@ impl RequestHandler {
         }
     }
 
-    /// Who the client is now, if that is still who it was when it was let in.
+    /// The current user. Fails if the login is no longer valid or the role has changed.
     pub(super) fn current_user(&self) -> Result<Who, Failure> {
         match self.server.people().still(&self.who) {
             Some(who) if who.role == self.who.role => Ok(who),
@@ -84,12 +84,12 @@ impl RequestHandler {
         }
     }
 
-    /// The client showed that it is there.
+    /// Notes activity of the client's user.
     pub(super) fn heard(&self) {
         self.server.runs.heard(&self.who.user);
     }
 
-    /// Carries a command out.
+    /// Executes a command for a run.
     pub(super) fn command(
         &self,
         run: String,
@@ -104,7 +104,7 @@ impl RequestHandler {
         }
     }
 
-    /// Changes an open machine, once the changes before are made.
+    /// Changes an open machine, after all earlier changes of this client.
     pub(super) fn change(
         &self,
         machine: String,
@@ -123,7 +123,7 @@ impl RequestHandler {
         }
     }
 
-    /// The client looks at these states of an open machine, and at no other machine any more.
+    /// Sets the states that the client shows, and leaves the previous machine.
     pub(super) fn look(&self, machine: &str, selection: Vec<String>) -> Result<(), Failure> {
         let (connection, user) = (self.connection, self.who.user.clone());
         let presence = Presence { connection, user, selection };
@@ -135,12 +135,12 @@ impl RequestHandler {
         self.server.documents.looks(&self.server, machine, presence)
     }
 
-    /// The client is gone, and looks at nothing any more.
+    /// Removes the client from the viewers.
     pub(super) fn leave(&self) {
         self.server.documents.leaves(self.connection);
     }
 
-    /// Tells a subscription until nothing more will come, or says why it cannot be told.
+    /// Serves a subscription to its end. Fails if it cannot be started.
     pub(super) async fn tell(
         &self,
         subscription: u32,
@@ -162,7 +162,7 @@ impl RequestHandler {
             Topic::RunStatus { run } => {
                 let run = self.server.runs.get(&run).await?;
                 let (now, _onlooker) = (run.now(), run.audience().join());
-                // Whoever looks on does not keep what is deleted.
+                // An onlooker must not keep a deleted run in memory.
                 drop(run);
                 let frame = move |now: &Arc<RunNow>| words::run_status(subscription, now);
                 tell(Status::new(subscription, now, frame), outbox).await;
@@ -196,7 +196,7 @@ impl RequestHandler {
     }
 }
 
-/// How long it may be relied upon that someone is still the same: others may change who is known, and logins end.
+/// Time until the next check of a user's rights, at latest when the credential expires.
 fn patience(who: &Who) -> Duration {
     let end = who.expires_ms.map(|end| end.saturating_sub(now_ms()) + 1);
     end.map_or(ASKED_EVERY, |end| ASKED_EVERY.min(Duration::from_millis(end)))

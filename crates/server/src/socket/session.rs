@@ -1,5 +1,5 @@
-//! What a client's frames ask for: text in, one thing to do out. Pure: knows frames, numbers of subscriptions and rights; knows
-//! nothing of connections, runs or machines.
+//! Parses a client's frames: one frame in, one request out. Pure: knows frames, numbers of subscriptions and rights; does not
+//! know connections, runs or machines.
 
 use super::words::{ended, refused};
 use crate::Failure;
@@ -9,55 +9,55 @@ use rafcon_protocol::Envelope;
 use rafcon_protocol::socket::{ToClient, ToServer, Topic, VERSION};
 use std::collections::BTreeSet;
 
-/// So many subscriptions one connection may have at a time.
+/// Maximum number of subscriptions per connection.
 pub(super) const SUBSCRIPTIONS_MAX: usize = 64;
-/// So many states someone may have selected, as the others are told.
+/// Maximum number of selected states.
 const SELECTION_MAX: usize = 1000;
-/// So many bytes their paths may have together.
+/// Maximum size of their paths together, in bytes.
 const SELECTION_BYTES_MAX: usize = 64 << 10;
 
-/// What is to be done about a frame.
+/// The action for a frame.
 #[derive(Debug)]
 pub(super) enum ClientRequest {
-    /// Tell the client this.
+    /// Send this frame to the client.
     Tell(ToClient),
-    /// Begin a subscription.
+    /// Start a subscription with this number.
     Begin(u32, Topic),
-    /// Give one up, and tell the client.
+    /// Cancel a subscription, and confirm that to the client.
     GiveUp(u32),
-    /// Carry a command out.
+    /// Execute a command for a run.
     Command {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// The command.
+        /// The command with its metadata.
         envelope: Box<Envelope>,
     },
     /// Change an open machine.
     Change {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
-        /// The change's id.
+        /// Id of the request.
         id: String,
-        /// How.
+        /// The change to perform.
         operation: Operation,
     },
-    /// Tell the others what this client looks at.
+    /// Publish the states that this client shows.
     Look {
-        /// The machine's id.
+        /// Id of the machine.
         machine: String,
         /// Paths of the selected states.
         selection: Vec<String>,
     },
 }
 
-/// What one client has asked for so far.
+/// The subscriptions of one client.
 #[derive(Debug, Default)]
 pub(super) struct Session {
     subscriptions: BTreeSet<u32>,
 }
 
 impl Session {
-    /// What a text frame asks for. `now_ms` is the time: ms since 1970, UTC.
+    /// Parses a text frame. `now_ms` is the time: ms since 1970, UTC.
     pub(super) fn hear(&mut self, text: &str, who: &Who, now_ms: u64) -> ClientRequest {
         let frame = match serde_json::from_str::<ToServer>(text) {
             Ok(frame) => frame,
@@ -96,13 +96,13 @@ impl Session {
         ClientRequest::Begin(subscription, topic)
     }
 
-    /// A subscription has come to its end: its number is free again.
+    /// Releases the number of a subscription that has ended.
     pub(super) fn ended(&mut self, subscription: u32) {
         self.subscriptions.remove(&subscription);
     }
 }
 
-/// What is answered to a binary frame.
+/// The refusal of a binary frame.
 pub(super) fn binary() -> ToClient {
     let message = "this was a binary frame: send each JSON object as a text frame";
     refused(None, &Failure::bad("binary_frame", message))
@@ -148,7 +148,7 @@ fn not_a_frame(text: &str, error: &serde_json::Error) -> ToClient {
     refused(id_in(text), &Failure::bad("bad_frame", message))
 }
 
-/// The id that whoever sent something broken waits for.
+/// The request id in a malformed frame, if any, so that its sender gets the refusal.
 fn id_in(text: &str) -> Option<String> {
     let frame: serde_json::Value = serde_json::from_str(text).ok()?;
     let parts = ["envelope", "edit", "undo", "redo"];

@@ -1,5 +1,5 @@
-//! Subscriptions to a status: to the latest of one thing, the first change at once, then at most one frame in a tenth of a second;
-//! and to everything that the server looks after. Does not know what a change was.
+//! Subscriptions to a status: the first change is sent at once, then at most one frame per 100 ms. Also for the status of the
+//! whole server. Does not know the kind of a change.
 
 use super::feed::{Feed, NextMessage};
 use super::outbox::Lane;
@@ -12,10 +12,10 @@ use tokio::select;
 use tokio::sync::watch;
 use tokio::time::Instant;
 
-/// Two frames of a status are at least so far apart.
+/// Minimum interval between two frames of a status.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// The whole server, followed by one client.
+/// The status of the server, followed by one client.
 #[derive(Debug)]
 pub(super) struct ServerStatusFeed {
     server: Arc<ServerState>,
@@ -26,7 +26,7 @@ pub(super) struct ServerStatusFeed {
 }
 
 impl ServerStatusFeed {
-    /// The first frame tells how things stand now.
+    /// A subscription whose first frame has the current status.
     pub(super) fn new(server: Arc<ServerState>, subscription: u32) -> Self {
         let (mut files, machines) = (server.news.of_files(), server.news.of_machines());
         files.mark_changed();
@@ -43,7 +43,7 @@ impl Feed for ServerStatusFeed {
     }
 
     async fn ready(&mut self) {
-        // The server, which counts, is held here.
+        // The server holds the senders and is held here.
         select! {
             _ = self.files.changed() => {}
             _ = self.machines.changed() => {}
@@ -63,18 +63,18 @@ impl Feed for ServerStatusFeed {
     }
 }
 
-/// Something of which only the latest counts, and how it is told.
+/// A status with its serialization. Only the latest value counts.
 #[derive(Debug)]
 pub(super) struct Status<T, F> {
     watch: watch::Receiver<T>,
     tell: F,
-    /// Whoever changed it is gone: nothing more will come.
+    /// The sender was dropped, so no further values will come.
     is_over: bool,
     subscription: u32,
 }
 
 impl<T, F: FnMut(&T) -> String> Status<T, F> {
-    /// The first frame tells how things stand now.
+    /// A subscription whose first frame has the current value.
     pub(super) fn new(subscription: u32, mut watch: watch::Receiver<T>, tell: F) -> Self {
         watch.mark_changed();
         Self { watch, tell, is_over: false, subscription }

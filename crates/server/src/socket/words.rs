@@ -1,16 +1,16 @@
-//! Frames as text. Knows how they are spelled, but not when they are sent.
+//! Serializes frames. Knows their encoding, but not their timing.
 
 use crate::Failure;
 use rafcon_protocol::api::RunNow;
 use rafcon_protocol::socket::ToClient;
 use serde::Serialize;
 
-/// A frame as it travels.
+/// The JSON text of a frame.
 pub(super) fn text(frame: &ToClient) -> String {
     spelled(frame)
 }
 
-/// How a run stands. Spelled as [`ToClient::RunStatus`] is.
+/// The state of a run. Encoded like [`ToClient::RunStatus`].
 pub(super) fn run_status(subscription: u32, status: &RunNow) -> String {
     #[derive(Serialize)]
     #[serde(tag = "frame", rename = "run_status")]
@@ -29,24 +29,24 @@ fn spelled(frame: &impl Serialize) -> String {
     })
 }
 
-/// A command, an edit or a frame was refused.
+/// The refusal of a command, an edit or a frame.
 pub(super) fn refused(id: Option<String>, failure: &Failure) -> ToClient {
     ToClient::Refused { id, refusal: failure.refusal() }
 }
 
-/// Nothing more will come of a subscription.
+/// The end of a subscription.
 pub(super) fn ended(subscription: u32, failure: Option<&Failure>) -> ToClient {
     ToClient::Ended { subscription, refusal: failure.map(Failure::refusal) }
 }
 
-/// Events of a run, which are text already. Spelled as [`ToClient::Events`] is.
+/// Events of a run, already serialized. Encoded like [`ToClient::Events`].
 pub(super) fn events(subscription: u32, next: u64, events: &[impl AsRef<str>]) -> String {
     let head =
         format!(r#"{{"frame":"events","subscription":{subscription},"next":{next},"events":["#);
     list(&head, events)
 }
 
-/// Revisions of a machine, which are text already. Spelled as [`ToClient::Revisions`] is.
+/// Revisions of a machine, already serialized. Encoded like [`ToClient::Revisions`].
 pub(super) fn revisions(subscription: u32, revisions: &[impl AsRef<str>]) -> String {
     let head = format!(r#"{{"frame":"revisions","subscription":{subscription},"revisions":["#);
     list(&head, revisions)
