@@ -1,4 +1,4 @@
-//! The one place of this crate that reads a clock. It is public for the programs around it, which have no other calendar.
+//! The only place in this crate that reads a clock. It is public for the programs that use the crate.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -7,16 +7,16 @@ pub fn since_1970_ms() -> u64 {
     u64::try_from(since_1970().as_millis()).unwrap_or(u64::MAX)
 }
 
-/// Now, on a clock that never goes back.
+/// The current time of a monotonic clock.
 #[expect(clippy::disallowed_methods, reason = "this is the crate's one clock")]
 pub fn now() -> Instant {
     Instant::now()
 }
 
-/// Smaller steps are the usual corrections of a calendar.
+/// Smaller steps are regular corrections of the clock.
 const STEP_MIN_MS: i64 = 1000;
 
-/// Notices when the calendar of this computer is set: ages are differences of its times.
+/// Detects when the computer's clock is set, because ages are differences of its times.
 #[derive(Debug)]
 pub struct CalendarSteps {
     at: Duration,
@@ -24,12 +24,12 @@ pub struct CalendarSteps {
 }
 
 impl CalendarSteps {
-    /// From this moment on, since the computer began, at which the calendar has this time.
+    /// Starts at this time since boot, with this time of the clock.
     pub fn from(at: Duration, at_ms: u64) -> Self {
         Self { at, at_ms }
     }
 
-    /// By how many ms the calendar was set since the last call, with the time of both clocks; 0 if it was not, or by less than a second.
+    /// Step of the clock since the last call, in ms; 0 for steps below a second. The arguments are the current time of both clocks.
     pub fn step_ms(&mut self, now: Duration, now_ms: u64) -> i64 {
         let passed = now.saturating_sub(self.at).as_millis();
         let expected = self.at_ms.saturating_add(u64::try_from(passed).unwrap_or(u64::MAX));
@@ -39,13 +39,13 @@ impl CalendarSteps {
     }
 }
 
-/// Time since this computer began, also while it was suspended.
+/// Time since the computer's boot, including suspension.
 pub fn since_boot() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::Boottime);
     Duration::try_from(time).unwrap_or_default()
 }
 
-/// A number that is not likely to be the same for two programs that begin in the same second.
+/// A number that probably differs between two programs that start within one second.
 pub fn salt(attempt: u16) -> u16 {
     let nanos = since_1970().subsec_nanos();
     let mixed = (nanos / 1000).wrapping_add(std::process::id()).wrapping_mul(0x9e37_79b1) >> 16;

@@ -1,4 +1,4 @@
-//! Connections to runners: that of the program that starts a run, with the launch, and those of programs that join it.
+//! Connections to runners: the one of the program that starts a run, which sends the launch, and those of programs that join it.
 
 use rafcon_protocol::{FrameError, Hello, Launch, ToRunner, encode};
 use rafcon_storage::journal::folder::SOCKET_FILE;
@@ -11,29 +11,28 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::Duration;
 
-/// Time for a runner to read the launch.
+/// Timeout for a runner to read the launch.
 const LAUNCH_TIMEOUT: Duration = Duration::from_mins(1);
-/// Interval and number of the attempts to connect to a runner that has just begun.
+/// Interval and number of the attempts to connect to a runner that has just started.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 const LOOKS_MAX: u32 = 1_000;
 
-/// Why a runner was not told what to run.
+/// The launch was not sent to the runner.
 #[derive(Debug, thiserror::Error)]
 pub enum BeginError {
-    /// The launch is no message.
+    /// The launch cannot be encoded.
     #[error("cannot send the launch to the runner")]
     Launch(#[from] FrameError),
-    /// The runner is gone.
+    /// The runner has exited.
     #[error("the runner ended before it read the launch; its output says why")]
     Gone(#[source] io::Error),
-    /// The runner does not listen.
+    /// The runner does not read.
     #[error("the runner did not read the launch within {} s; its output may say why", LAUNCH_TIMEOUT.as_secs())]
     Silent(#[source] io::Error),
 }
 
-/// Says hello and what to run. What the runner says comes from the same socket, its own hello first, which is to be checked: who
-/// started a run is one of its viewers, as those who join it. No one needs to listen for long: from `loaded` on the run continues
-/// by itself.
+/// Sends the hello and the launch. The runner replies over this socket and counts the caller as a viewer of the run. The caller must
+/// check the runner's hello, which comes first. It need not read on after `loaded`: the run continues by itself.
 pub fn begin(mut control: &UnixStream, launch: Launch) -> Result<(), BeginError> {
     let mut words = encode(&Hello::ours())?;
     words.extend(encode(&ToRunner::Launch(launch))?);
@@ -49,31 +48,31 @@ fn untold(error: io::Error) -> BeginError {
     }
 }
 
-/// Why a run cannot be joined.
+/// The run cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum JoinError {
     /// Its folder cannot be opened.
     #[error("cannot open the run's folder {}", folder.display())]
     Folder {
-        /// Which one.
+        /// Folder of the run.
         folder: PathBuf,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
-    /// No one listens.
+    /// No runner listens for connections.
     #[error(
         "{run} is not active: `rafcon history {run}` shows what happened, and `rafcon resume {run}` resumes it if it did \
          not end"
     )]
     Nobody {
-        /// The run's id.
+        /// Id of the run.
         run: String,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
 }
 
-/// Connects to the runner of the run in `folder`. The folder is named by its descriptor: a socket's path may be short only.
+/// Connects to the runner of the run in `folder`. Uses the folder's descriptor, because a socket's path must be short.
 pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
     let open = File::open(folder)
         .map_err(|source| JoinError::Folder { folder: folder.to_path_buf(), source })?;
@@ -86,8 +85,8 @@ pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
         })
 }
 
-/// Connects to the runner of the run in `folder`, as [`connect`] does. A runner that has just begun does not listen yet: it is
-/// awaited for 10 s, as long as it lives.
+/// Connects like [`connect`]. A runner that has just started does not listen yet, so it retries for 10 s while the runner
+/// lives.
 pub fn connect_once_listening(folder: &Path) -> Result<UnixStream, JoinError> {
     connect_while(folder, || {
         let is_starting = matches!(writer_of(folder), Ok(Some(_)));

@@ -1,36 +1,36 @@
-//! Which Python runs the scripts, and where the extension is that makes it a runner. The Python is the one that was named, else the
-//! active virtual environment's, else `python3`.
+//! Selects the Python for scripts, and finds the extension that makes it a runner. Python is the one that is named, else that of the
+//! active virtual environment, else `python3`.
 //!
-//! What starting and finding runners takes from the environment is a value: programs read their environment where they begin.
+//! The environment is an explicit value: programs read it once, when they start.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// The variables that mean something here, and where this program stands.
+/// The relevant environment variables, and the path of this program.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ProgramEnvironment {
     /// `VIRTUAL_ENV`: the active virtual environment.
     pub virtual_env: Option<PathBuf>,
     /// `RAFCON_EXTENSION`: the extension's file, for unusual installations.
     pub extension: Option<PathBuf>,
-    /// This program's file, links followed.
+    /// Path of this program, with links resolved.
     pub program: Option<PathBuf>,
-    /// `HOME`: the user's folder.
+    /// `HOME`: the home folder of the user.
     pub home: Option<PathBuf>,
-    /// `XDG_STATE_HOME`: where programs keep what they remember.
+    /// `XDG_STATE_HOME`: the folder for state of programs.
     pub state_home: Option<PathBuf>,
 }
 
 /// A chosen interpreter and the reason of the choice, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
-    /// A file, or a name that is looked for on the PATH.
+    /// A file, or a name that is searched on the PATH.
     pub program: PathBuf,
     reason: Reason,
 }
 
-/// The active virtual environment holds none.
+/// The active virtual environment contains no interpreter.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the active virtual environment {} has no bin/python3: leave it (`deactivate`), make it again, or name an \
@@ -49,7 +49,7 @@ enum Reason {
 }
 
 impl Interpreter {
-    /// Chooses. `named` is `--python` or `RAFCON_PYTHON`.
+    /// Selects an interpreter. `named` is `--python` or `RAFCON_PYTHON`.
     pub fn choose(
         named: Option<&Path>,
         surroundings: &ProgramEnvironment,
@@ -67,7 +67,7 @@ impl Interpreter {
         }
     }
 
-    /// What to do if it cannot be started.
+    /// Remedy if the interpreter cannot be started.
     pub fn way_out(&self) -> &'static str {
         match self.reason {
             Reason::Named => "--python or RAFCON_PYTHON must name a Python 3.9 or newer",
@@ -83,7 +83,7 @@ impl fmt::Display for Interpreter {
     }
 }
 
-/// It lies at none of its places.
+/// The extension was not found.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "cannot find the Python extension of RAFCON. Searched:\n{}\n\
@@ -99,8 +99,8 @@ fn listed(places: &[PathBuf]) -> String {
     lines.join("\n")
 }
 
-/// The extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or where
-/// `RAFCON_EXTENSION` says.
+/// Finds the extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or at
+/// `RAFCON_EXTENSION`.
 pub fn find_extension(surroundings: &ProgramEnvironment) -> Result<PathBuf, NoExtension> {
     let places = places(surroundings);
     if let Some(found) = places.iter().find(|place| place.is_file()) {

@@ -1,8 +1,8 @@
-//! The runners of machines, as whoever starts them sees them: how one becomes a process, how a run that is going on is
-//! joined, what a dead runner left, and whether another resumes the run. And the engines that plan for machines.
+//! Runners of machines, for the programs that start them: starting a process, joining an active run, leftovers of a dead
+//! runner, and the decision to resume a run. Also the engines that plan for machines.
 //!
-//! Knows interpreter, extension, processes and the folders of runs. Knows nothing of HTTP, terminals, or what a run means to
-//! whoever follows it: the command line and the server both do, each in its own way.
+//! Knows interpreter, extension, processes and the folders of runs. Does not know HTTP, terminals, or the viewers of a run: the
+//! command line and the server add these.
 //!
 //! ```no_run
 //! use rafcon_supervisor::{Process, ProgramEnvironment, Runs, Start};

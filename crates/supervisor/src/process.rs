@@ -1,12 +1,12 @@
-//! A runner's process: how it is started and ended by force, and how it ended by itself, in words.
+//! The process of a runner: its start, its forced end, and a description of its exit.
 //!
-//! The runner leads a process group of its own, so that neither Ctrl-C nor a terminal that hangs up reaches it. It
-//! inherits one end of a socket pair and nothing else of ours.
+//! The runner leads its own process group, so that neither Ctrl-C nor a closed terminal affects it. It inherits only one end of a
+//! socket pair.
 //!
-//! Beside a terminal its standard input is ours if that is a file or a pipe; a terminal stays with us, for a background group
-//! that reads from it would be stopped by the kernel. It writes to pipes, which the runner itself reads and logs during the run.
-//! Its starter reads them after the end of the control connection. A *detached* runner has nothing
-//! that ends with us: no input, and a file for what it writes, which is locked for as long as someone may write to it.
+//! With a terminal, it inherits a standard input that is a file or a pipe. It does not inherit the terminal, because the kernel would
+//! stop a background group that reads from it. It writes to pipes, which the runner itself reads and logs during the run. The
+//! caller reads them after the end of the control connection. A *detached* runner shares no resource with the caller: it has no
+//! input, and writes to a file that is locked while any of its processes can write to it.
 
 use crate::{
     Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, descriptors, find_extension,
@@ -29,28 +29,28 @@ const BOOTSTRAP: &str = include_str!("bootstrap.py");
 const CUT_OFF: i32 = 86;
 /// Exit status of a runner that ended itself because its engine failed.
 const BROKEN: i32 = 87;
-/// Exit status of a runner that ended itself because its engine did not take a stop.
+/// Exit status of a runner that ended itself because its engine did not react to a stop.
 const UNREACHED: i32 = 88;
 
-/// Held while a socket can be inherited: another runner that starts at that moment would keep it open, and its owner's end
-/// would not be heard.
+/// Held while a socket can be inherited. A runner that starts at that moment would keep it open, and the end of the socket's owner
+/// would go unnoticed.
 pub(crate) static INHERITING: Mutex<()> = Mutex::new(());
 
-/// What is needed to start a runner.
+/// Interpreter and extension for a runner.
 #[derive(Debug, Clone)]
 pub struct Start {
-    /// Which Python.
+    /// The interpreter of the runner.
     pub interpreter: Interpreter,
-    /// The extension's file.
+    /// Path of the extension.
     pub extension: PathBuf,
 }
 
 /// A runner that was started.
 #[derive(Debug)]
 pub struct Process {
-    /// The process; its standard output and error are pipes, unless it was started detached.
+    /// The process. Its standard output and error are pipes, unless it is detached.
     pub child: Child,
-    /// Our end of the control socket.
+    /// The caller's end of the control socket.
     pub control: UnixStream,
 }
 
@@ -58,41 +58,41 @@ pub struct Process {
 #[derive(Debug, Clone, Copy)]
 pub struct Group(Pid);
 
-/// Why a runner was not started.
+/// The runner was not started.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// There is no Python.
+    /// No interpreter was found.
     #[error(transparent)]
     NoInterpreter(#[from] NoInterpreter),
-    /// There is no extension.
+    /// The extension was not found.
     #[error(transparent)]
     NoExtension(#[from] NoExtension),
-    /// There is no control socket.
+    /// The control socket cannot be created.
     #[error("cannot create a pair of sockets")]
     Sockets(#[source] io::Error),
-    /// The control socket stays with us.
+    /// The control socket cannot be made inheritable.
     #[error("cannot pass the socket to the runner")]
     Inherit(#[source] io::Error),
-    /// There is no file for what it writes.
+    /// The file for its output cannot be opened.
     #[error("cannot open {} for the output of the runner: its folder must exist and belong to you", file.display())]
     Output {
-        /// Which one.
+        /// Path of the file.
         file: PathBuf,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
     /// The interpreter cannot be started.
     #[error("cannot start the Python interpreter `{interpreter}`: {}", interpreter.way_out())]
     Interpreter {
-        /// Which one.
+        /// The interpreter that was selected.
         interpreter: Interpreter,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
 }
 
 impl Start {
-    /// Finds interpreter and extension; the interpreter may be `named`.
+    /// Finds interpreter and extension. `named` selects an interpreter.
     pub fn find(
         named: Option<&Path>,
         surroundings: &ProgramEnvironment,
@@ -101,13 +101,13 @@ impl Start {
         Ok(Self { interpreter, extension: find_extension(surroundings)? })
     }
 
-    /// Starts it beside a terminal. `has_keys`: whether the user there can answer questions.
+    /// Starts a runner with a terminal. `has_keys` means that its user can answer questions.
     pub fn spawn(&self, has_keys: bool) -> Result<Process, StartError> {
         let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
         self.start([stdin, Stdio::piped(), Stdio::piped()], has_keys)
     }
 
-    /// Starts it so that it outlives us; what it writes is added to this file, which only its owner may read.
+    /// Starts a runner that outlives the caller. Appends its output to this file, which is readable for its owner only.
     pub fn spawn_detached(&self, output: &Path) -> Result<Process, StartError> {
         let failed = |source| StartError::Output { file: output.to_path_buf(), source };
         let stdout = open(output).map_err(failed)?;
@@ -140,7 +140,7 @@ impl Start {
             interpreter: self.interpreter.clone(),
             source,
         })?;
-        // It may have ended already.
+        // The runner may have exited already.
         descriptors::restore(&child).unwrap_or_default();
         Ok(Process { child, control })
     }
@@ -150,38 +150,38 @@ fn open(output: &Path) -> io::Result<File> {
     OpenOptions::new().append(true).create(true).mode(0o600).open(output)
 }
 
-/// Whether a runner that was started detached with this output is there, or anything that it started: also one that has not
-/// yet written a word into its run's folder, and whoever started it.
+/// A detached runner with this output file lives, or a process that it started does. It need not have written anything, and its
+/// starter may have exited.
 pub fn is_alive(output: &Path) -> bool {
     let Ok(file) = File::open(output) else { return false };
     matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 impl Process {
-    /// The group that [`Group::kill`] ends.
+    /// The process group of this runner.
     pub fn group(&self) -> Group {
         Group(Pid::from_child(&self.child))
     }
 }
 
 impl Group {
-    /// Ends every process of the group at once. A group that is gone is what was wanted.
+    /// Kills all processes of the group. Ignores a group that no longer exists.
     pub fn kill(self) {
         rustix::process::kill_process_group(self.0, Signal::KILL).unwrap_or_default();
     }
 }
 
-/// How a process ended.
+/// The exit of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Exit(pub ExitStatus);
 
 impl Exit {
-    /// Whether the runner ended itself, because a script did not end in its grace period.
+    /// The runner ended itself because a script did not end in its grace period.
     pub fn is_cut_off(self) -> bool {
         self.0.code() == Some(CUT_OFF)
     }
 
-    /// Whether the runner ended itself to bring the run to a stop.
+    /// The runner ended itself to stop the run.
     pub fn is_stopped(self) -> bool {
         self.0.code() == Some(UNREACHED)
     }

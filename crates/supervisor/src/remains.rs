@@ -1,5 +1,5 @@
-//! What a run keeps in its folder that whoever resumes it again must know: what it says about itself, the marks of running
-//! scripts, and the journal. What cannot be read has nothing to say here.
+//! Data in a run's folder for resuming the run: its description, the marks of running scripts, and the journal. Unreadable data
+//! counts as missing.
 
 use rafcon_model::Machine;
 use rafcon_protocol::{Crash, Event, Launch, OnCrash, Resume, active};
@@ -12,23 +12,23 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// So many of the last events are looked through for logs.
+/// Number of last events that are searched for log lines.
 const EVENTS: u64 = 5000;
 
-/// Paths of the states whose scripts ran when the runner of this folder ended. Better than its last messages: the marks were
-/// made before each script began.
+/// Paths of the states whose scripts ran when the runner of this folder ended. More reliable than its last messages: a mark is
+/// written before its script begins.
 pub fn running(folder: &Path) -> Vec<String> {
     let slots = fs::read(folder.join(active::SLOTS_FILE)).unwrap_or_default();
     let paths = fs::read_to_string(folder.join(active::PATHS_FILE)).unwrap_or_default();
     active::running(&slots, &paths)
 }
 
-/// When and how the run in this folder ended, if its runner kept an end that it could not tell any more.
+/// Time and event of the run's end, if its runner stored an end that it could no longer report.
 pub fn kept_end(folder: &Path) -> Option<(Duration, Event)> {
     Reader::open(folder).ok()?.last_end().ok()?
 }
 
-/// The last line of each of these states that logged any, by path.
+/// The last log line of each of these states, by path.
 pub fn last_logged(folder: &Path, active: &[String]) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     let Ok(mut reader) = Reader::open(folder) else { return found };
@@ -44,17 +44,17 @@ pub fn last_logged(folder: &Path, active: &[String]) -> BTreeMap<String, String>
     found
 }
 
-/// What a run has kept about itself, for who decides whether it continues.
+/// Stored facts about a run, for the decision to resume it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KeptRun {
-    /// What becomes of scripts that a crash has interrupted.
+    /// Policy for scripts that a crash interrupted.
     pub policy: OnCrash,
-    /// Whether anything has happened in it.
+    /// The run has events.
     pub has_begun: bool,
 }
 
 impl KeptRun {
-    /// The run in `folder`, as it keeps itself; with the policy that was asked for if it keeps nothing yet.
+    /// The facts about the run in `folder`. Uses the requested policy if the run has not stored one.
     pub fn of(folder: &Path, asked: Option<OnCrash>) -> Self {
         let keeps_itself = folder.join(ABOUT_FILE).exists();
         let policy = if keeps_itself { policy_of(folder) } else { asked.unwrap_or_default() };
@@ -62,7 +62,7 @@ impl KeptRun {
     }
 }
 
-/// The launch that resumes the run in `folder`: as `policy` says, from the end or from the event `from`.
+/// The launch that resumes the run in `folder` with `policy`, from its end or from the event `from`.
 pub fn resume_launch(folder: &Path, policy: OnCrash, from: Option<u64>) -> Launch {
     Launch {
         machine: machine_of(folder),
@@ -77,14 +77,14 @@ pub fn resume_launch(folder: &Path, policy: OnCrash, from: Option<u64>) -> Launc
     }
 }
 
-/// Where the machine of a run was, as the run keeps it; an empty path if it does not say.
+/// Stored path of the run's machine. Empty if unknown.
 pub fn machine_of(folder: &Path) -> PathBuf {
     let about = about(folder);
     let machine = about.as_ref().and_then(|about| about.get("machine")?.as_str());
     machine.map(PathBuf::from).unwrap_or_default()
 }
 
-/// The machine with this hash that the run has kept; without a hash, the one that it goes by.
+/// The stored machine with this hash; without a hash, the current one.
 pub fn kept_machine(folder: &Path, hash: Option<&str>) -> Option<Machine> {
     let goes_by = || {
         let mut reader = Reader::open(folder).ok()?;
@@ -98,14 +98,14 @@ pub fn kept_machine(folder: &Path, hash: Option<&str>) -> Option<Machine> {
     Some(load_packed(&packed, Packed::MACHINE, folder, &libraries).ok()?.machine)
 }
 
-/// What becomes of scripts that a crash has interrupted, as the run keeps it.
+/// Stored policy for scripts that a crash interrupted.
 pub fn policy_of(folder: &Path) -> OnCrash {
     about(folder)
         .and_then(|about| serde_json::from_value(about.get("on_crash")?.clone()).ok())
         .unwrap_or_default()
 }
 
-/// What a run says about itself; nothing if its file is missing or damaged.
+/// The run's description. `None` if its file is missing or damaged.
 fn about(folder: &Path) -> Option<serde_json::Value> {
     About::json(folder).ok()
 }

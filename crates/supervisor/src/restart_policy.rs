@@ -1,49 +1,49 @@
-//! The runners of one run, one after the other: whether a run whose runner died continues by itself, and how. Pure; for the command
-//! line and the server alike.
+//! Decides whether a run whose runner died is resumed, and how, over its successive runners. Pure; shared by command line and
+//! server.
 
 use crate::KeptRun;
 use rafcon_protocol::{Crash, Launch, OnCrash, Resume};
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// So many deaths in [`WINDOW`], and the run is left alone.
+/// After more deaths than this in [`WINDOW`], the run is no longer resumed.
 const DEATHS_MAX: usize = 5;
 /// The time in which deaths are counted.
 const WINDOW: Duration = Duration::from_mins(1);
 
-/// What is known about a runner that ended in the middle of a run.
+/// Facts about a runner that died in the middle of a run.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RunnerDeath {
     /// Signal or exit status.
     pub reason: String,
-    /// Paths of the states that were active, as far as it told.
+    /// Paths of the states that were active, if known.
     pub active: Vec<String>,
-    /// Its last lines on the error output.
+    /// Last lines of its error output.
     pub said: Vec<String>,
-    /// The runner ended itself, because a script did not end in its grace period.
+    /// The runner ended itself because a script did not end in its grace period.
     pub is_cut_off: bool,
-    /// Its end was wanted: someone killed it, or it did not take a stop.
+    /// The end was intended: a user killed the runner, or it did not react to a stop.
     pub is_wanted: bool,
 }
 
-/// The deaths of a run's runners.
+/// The recent deaths of a run's runners.
 #[derive(Debug, Default)]
 pub struct RestartPolicy {
     deaths: VecDeque<Duration>,
 }
 
-/// What follows a death.
+/// The decision after a death.
 #[derive(Debug, PartialEq)]
 pub enum Next {
-    /// Another runner, which is told this.
+    /// Start another runner with this launch.
     Again(Box<Launch>),
-    /// The user decides; why.
+    /// Leave the decision to the user, for this reason.
     Ask(&'static str),
 }
 
 impl RestartPolicy {
-    /// A runner died at `now` that was told `launch`; `kept` is what the run has kept about itself. A run that has not begun is
-    /// begun again.
+    /// Decides after the death at `now` of a runner that was started with `launch`. `kept` has the stored facts about the run. A run that
+    /// has not begun is started again.
     pub fn next(
         &mut self,
         now: Duration,
@@ -61,7 +61,7 @@ impl RestartPolicy {
         if self.deaths.len() > DEATHS_MAX {
             return Next::Ask("the runner died too often in the last minute");
         }
-        // A script that was cut off because it ignored its grace period is aborted: that is what the period is for.
+        // A script that ignored its grace period is aborted, because that is the purpose of the period.
         let policy = if death.is_cut_off { OnCrash::Abort } else { kept.policy };
         if policy == OnCrash::Ask {
             return Next::Ask("the run waits until you decide");

@@ -1,8 +1,8 @@
-//! The process of the bridge to ROS 2: started beside a server, started again when it ends, ended with the server. Knows the
-//! process; does not know what it speaks with the server or with ROS.
+//! The process of the bridge to ROS 2: started with a server, restarted when it ends, and stopped with the server. Knows the
+//! process; does not know its communication with the server or ROS.
 //!
-//! Its standard input carries one line, its settings with the token, and stays open for as long as the server lives: at its end
-//! the bridge ends, also when the server is killed. Each line that it writes is told.
+//! Its standard input carries one line, its settings with the token, and stays open while the server lives. The bridge ends when the
+//! input closes, also after a kill of the server. Each line of its output is logged.
 
 use crate::process::{INHERITING, Start};
 use crate::{ProgramEnvironment, StartError, clock};
@@ -15,48 +15,48 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 const BOOTSTRAP: &str = include_str!("ros_bridge.py");
-/// How long a bridge may take for the last words to its peers; then it is killed.
+/// Time limit for a bridge to leave its peers. Then it is killed.
 const LAST_WORDS: Duration = Duration::from_secs(4);
-/// Bytes of a line of the bridge that are told.
+/// Maximum size of a logged line, in bytes.
 const LINE_MAX: u64 = 64 << 10;
-/// The first pause before another is started; each further one is twice as long.
+/// First pause before a restart. Each further pause is twice as long.
 const PAUSE_MIN: Duration = Duration::from_secs(1);
-/// So much news waits at most: one end, and that no bridge is wanted.
+/// Capacity of the queue of events: an end of the process, and a stop.
 const NEWS_MAX: usize = 4;
-/// The longest.
+/// The longest pause before a restart.
 const PAUSE_MAX: Duration = Duration::from_mins(1);
 
-/// What a bridge is started with.
+/// Settings of a bridge.
 #[derive(Debug, Clone)]
 pub struct RosBridgeSettings {
-    /// The interpreter of runs; none: as [`crate::Interpreter::choose`] does.
+    /// The interpreter of runs. `None`: selected by [`crate::Interpreter::choose`].
     pub python: Option<PathBuf>,
-    /// What interpreter and extension are found by.
+    /// Environment in which interpreter and extension are searched.
     pub surroundings: ProgramEnvironment,
-    /// What it is told on its standard input, as JSON. It may hold secrets.
+    /// Settings that it receives on its standard input, as JSON. They may contain secrets.
     pub told: serde_json::Value,
-    /// Says a line to whoever started the server.
+    /// Logs a line for the operator of the server.
     pub tell: fn(&str),
 }
 
-/// The bridge, until dropped; then it says good-bye to its peers, and no run ends.
+/// The bridge. Dropping it lets it leave its peers; runs are not affected.
 #[derive(Debug)]
 pub struct RosBridge {
     news: SyncSender<News>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What the thread of a bridge waits for.
+/// An event for the thread of a bridge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum News {
-    /// The process writes no more: it has ended, or is about to.
+    /// The output is closed: the process has ended or is about to.
     Ended,
-    /// No bridge is wanted any more.
+    /// The bridge must stop.
     Stop,
 }
 
 impl RosBridge {
-    /// Starts it, on a thread of its own.
+    /// Starts the bridge on a separate thread.
     pub fn begin(settings: RosBridgeSettings) -> io::Result<Self> {
         let (news, heard) = sync_channel(NEWS_MAX);
         let from_process = news.clone();
@@ -68,7 +68,7 @@ impl RosBridge {
 
 impl Drop for RosBridge {
     fn drop(&mut self) {
-        // A thread that has ended needs no news.
+        // The thread may have ended.
         self.news.send(News::Stop).unwrap_or_default();
         if let Some(thread) = self.thread.take() {
             thread.join().unwrap_or_default();
@@ -76,7 +76,7 @@ impl Drop for RosBridge {
     }
 }
 
-/// Starts one bridge after the other, with pauses that grow while they end at once.
+/// Starts bridges one after the other. The pauses grow while they end at once.
 fn keep(settings: &RosBridgeSettings, news: &SyncSender<News>, heard: &Receiver<News>) {
     let mut pause = PAUSE_MIN;
     let mut told = String::new();
@@ -106,12 +106,12 @@ fn keep(settings: &RosBridgeSettings, news: &SyncSender<News>, heard: &Receiver<
     }
 }
 
-/// Waits for the end of a process; says why it has ended, or nothing if that was wanted.
+/// Waits for the end of a process. Returns the reason, or `None` if the bridge was stopped.
 fn attend(mut child: Child, stdin: ChildStdin, heard: &Receiver<News>) -> Option<String> {
     let is_wanted = heard.recv() == Ok(News::Ended);
     drop(stdin);
     if !is_wanted && heard.recv_timeout(LAST_WORDS).is_err() {
-        // One that has ended meanwhile is what was wanted.
+        // It may have exited meanwhile.
         child.kill().unwrap_or_default();
     }
     let ended = child.wait();
@@ -137,7 +137,7 @@ fn started(
     if let Some(program) = &settings.surroundings.program {
         command.env("RAFCON_BINARY", program);
     }
-    // A socket that a runner is to inherit at this moment must not be inherited by this one.
+    // This process must not inherit a socket that another thread is passing to a runner.
     let spawned = {
         let _inheriting = INHERITING.lock();
         command.spawn()
@@ -148,7 +148,7 @@ fn started(
     })?;
     let piped = child.stdin.take().zip(child.stdout.take());
     let (mut stdin, stdout) = piped.ok_or_else(|| no_bridge("it has no pipes"))?;
-    // One that has ended already is noticed by its output.
+    // A process that has already exited is detected by the end of its output.
     stdin.write_all(format!("{}\n", settings.told).as_bytes()).unwrap_or_default();
     let (tell, news) = (settings.tell, news.clone());
     let listen = move || {
@@ -163,7 +163,7 @@ fn started(
     Ok((child, stdin))
 }
 
-/// Tells each line until the output ends. A longer line than [`LINE_MAX`] is cut, and bytes that are no text are replaced.
+/// Logs each line until the output ends. Cuts lines longer than [`LINE_MAX`], and replaces invalid bytes.
 fn tell_lines(output: impl Read, mut tell: impl FnMut(&str)) {
     let mut output = BufReader::new(output);
     let mut line = Vec::new();
@@ -180,7 +180,7 @@ fn tell_lines(output: impl Read, mut tell: impl FnMut(&str)) {
     }
 }
 
-/// Skips the rest of a line. Returns the number of its bytes without the end of the line.
+/// Skips the rest of a line. Returns the number of its bytes, without the line end.
 fn skip_line(output: &mut impl BufRead) -> usize {
     let mut skipped = 0;
     loop {
@@ -213,9 +213,9 @@ mod tests {
     use std::sync::{Mutex, PoisonError};
     use tempfile::TempDir;
 
-    /// Where lines go: the settings take a plain function.
+    /// Receiver of logged lines: the settings accept only a plain function.
     static TOLD: Mutex<Option<SyncSender<String>>> = Mutex::new(None);
-    /// One test at a time has it.
+    /// Held by one test at a time.
     static TURN: Mutex<()> = Mutex::new(());
 
     fn tell(line: &str) {
@@ -223,7 +223,7 @@ mod tests {
         told.as_ref().unwrap().send(line.to_owned()).unwrap_or_default();
     }
 
-    /// A bridge whose interpreter is this script, and what is told.
+    /// A bridge whose interpreter is this script, and the logged lines.
     fn begun(script: &str) -> (TempDir, RosBridge, Receiver<String>) {
         let (sender, told) = sync_channel(64);
         *TOLD.lock().unwrap() = Some(sender);

@@ -1,4 +1,4 @@
-//! Where the folders of runs lie, how a new one is named, and which one is meant. Knows names, not what is inside.
+//! Locates the folders of runs, names new ones, and finds a run by a text. Knows names, but not their content.
 
 use crate::{ProgramEnvironment, clock};
 use rafcon_storage::journal::folder::{ABOUT_FILE, check_run_id};
@@ -8,7 +8,7 @@ use std::io;
 use std::os::unix::fs::DirBuilderExt as _;
 use std::path::{Path, PathBuf};
 
-/// How many names are tried for a new folder.
+/// Number of attempts to find a name for a new folder.
 const TRIES: u16 = 100;
 
 /// The folder with one folder for each run.
@@ -17,27 +17,27 @@ pub struct Runs {
     folder: PathBuf,
 }
 
-/// Why a run has no folder.
+/// A run's folder cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum MakeError {
-    /// There is no usual place.
+    /// The default folder is unknown.
     #[error("no folder for runs: set HOME, or name a folder with --runs")]
     NoHome,
-    /// The current folder is gone.
+    /// The current folder no longer exists.
     #[error(transparent)]
     Here(#[from] io::Error),
     /// The folder of all runs cannot be made.
     #[error("cannot create the folder for runs {}: name another with --runs", folder.display())]
     Runs {
-        /// Which one.
+        /// The folder of all runs.
         folder: PathBuf,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
-    /// Every name that was tried is taken.
+    /// All tried names are taken.
     #[error("cannot find a free name for a run in {}", folder.display())]
     NoName {
-        /// Where.
+        /// The folder of all runs.
         folder: PathBuf,
     },
     /// The folder of the run cannot be made.
@@ -46,47 +46,47 @@ pub enum MakeError {
         folder.display()
     )]
     Run {
-        /// Which one.
+        /// The folder of the run.
         folder: PathBuf,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
 }
 
-/// Why no run was found.
+/// The run was not found.
 #[derive(Debug, thiserror::Error)]
 pub enum FindError {
-    /// The current folder is gone.
+    /// The current folder no longer exists.
     #[error(transparent)]
     Here(#[from] io::Error),
     /// The runs cannot be read.
     #[error("cannot read the runs in {}", folder.display())]
     Read {
-        /// Where.
+        /// The folder of all runs.
         folder: PathBuf,
-        /// Why not.
+        /// The error of the system call.
         source: io::Error,
     },
-    /// There is none of that name.
+    /// No run has this id.
     #[error("there is no run `{text}` in {}: `rafcon runs` lists the runs", folder.display())]
     None {
-        /// What was asked for.
+        /// The requested id or text.
         text: String,
-        /// Where.
+        /// The folder of all runs.
         folder: PathBuf,
     },
-    /// More than one begins like that.
+    /// Several ids begin with this text.
     #[error("`{text}` could mean {}: write more of the id", ids.join(" or "))]
     Many {
-        /// What was asked for.
+        /// The requested beginning of an id.
         text: String,
-        /// What it may mean.
+        /// The ids that begin with it.
         ids: Vec<String>,
     },
 }
 
 impl Runs {
-    /// The one that the user names, or the usual place.
+    /// The folder that the user names, or the default one.
     pub fn new(named: Option<&Path>, surroundings: &ProgramEnvironment) -> Result<Self, MakeError> {
         let usual = || {
             let state = surroundings.state_home.clone();
@@ -97,17 +97,17 @@ impl Runs {
         Ok(Self { folder: std::path::absolute(folder)? })
     }
 
-    /// The folder itself; it need not be there.
+    /// The folder of all runs. It need not exist.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Makes the folder itself, which only its owner may list. An existing folder keeps its permissions.
+    /// Makes the folder of all runs, readable for its owner only. An existing folder keeps its permissions.
     pub fn make_folder(&self) -> io::Result<()> {
         fs::DirBuilder::new().recursive(true).mode(0o700).create(&self.folder)
     }
 
-    /// Makes the folder of a new run of the machine with this name; only its owner may look into it. Its name survives a power
+    /// Makes the folder of a new run of the machine with this name, readable for its owner only. Its name survives a power
     /// cut.
     pub fn make(&self, machine: &str) -> Result<PathBuf, MakeError> {
         let folder = &self.folder;
@@ -128,12 +128,12 @@ impl Runs {
         Err(MakeError::NoName { folder: folder.clone() })
     }
 
-    /// Deletes runs beyond the usual number and size, and says which.
+    /// Deletes runs beyond the default number and size. Returns the deleted ones.
     pub fn give_up_old_ones(&self) -> Result<Vec<Pruned>, JournalError> {
         Retention::default().prune(&self.folder, clock::since_1970_ms())
     }
 
-    /// The folder that is meant by `last`, an id, the beginning of one, or a path.
+    /// The folder of the run that `text` names: `last`, an id, the beginning of one, or a path.
     pub fn find(&self, text: &str) -> Result<PathBuf, FindError> {
         let path = Path::new(text);
         if text.contains('/') && path.join(ABOUT_FILE).is_file() {
@@ -150,7 +150,7 @@ impl Runs {
         }
     }
 
-    /// The ids of all runs, the oldest first.
+    /// The ids of all runs, oldest first.
     pub fn ids(&self) -> Result<Vec<String>, FindError> {
         let entries = match fs::read_dir(&self.folder) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -168,7 +168,7 @@ impl Runs {
     }
 }
 
-/// Those of the ids, the oldest first, that are meant by `last`, one of them, or its beginning.
+/// The ids that `text` names: `last`, a complete id, or a beginning. `ids` must be sorted, oldest first.
 pub fn meant<'i>(ids: &'i [String], text: &str) -> Vec<&'i String> {
     if text == "last" {
         return ids.last().into_iter().collect();

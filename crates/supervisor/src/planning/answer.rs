@@ -1,4 +1,4 @@
-//! A request for a plan, answered: what is wrong with it, or plans as they are found and how it ended.
+//! Handles a request for a plan: reports findings, or plans as they are found and the end of the search.
 
 use super::engine::{DEFAULT_ENGINE, Engine, PlanRequest};
 use super::found::{self, Shown};
@@ -19,29 +19,29 @@ use rafcon_storage::Libraries;
 use smol_str::SmolStr;
 use std::time::{Duration, Instant};
 
-/// How long an engine may take if nobody says otherwise.
+/// Default time limit of an engine.
 const TIME_LIMIT: Duration = Duration::from_secs(10);
 const REPLANS_MAX: u32 = 5;
-/// Which steps must come before which is looked at for each two of them: of more steps that takes too long.
+/// Maximum number of steps in a plan with parallel steps: the order of each pair is computed, which takes too long for more.
 const ORDERED_MAX: usize = 3000;
 
-/// What answers requests for plans.
+/// Libraries, interpreter and environment for requests of plans.
 #[derive(Debug, Clone, Copy)]
 pub struct Planner<'p> {
-    /// Where the skills are.
+    /// Libraries that contain the skills.
     pub libraries: &'p Libraries,
     /// The interpreter of runs.
     pub python: &'p Interpreter,
-    /// What the engine is found by.
+    /// Environment in which the engine is searched.
     pub surroundings: &'p ProgramEnvironment,
 }
 
-/// What the skills of a pool add up to.
+/// The domain of a pool's skills, with findings.
 pub fn domain(pool: &PlanPool, libraries: &Libraries) -> PlanDomain {
     found::domain(&pool::read(pool, libraries))
 }
 
-/// A problem of a request, with the goal that counts; `Err` says what is wrong.
+/// Parses the problem and its goal. `Err` describes the fault.
 fn problem_of(request: &MakePlan) -> Result<rafcon_planner::pddl::Problem, String> {
     let mut problem = read_problem(&request.facts).map_err(|error| format!("facts: {error}"))?;
     if let Some(goal) = &request.goal {
@@ -55,7 +55,7 @@ fn problem_of(request: &MakePlan) -> Result<rafcon_planner::pddl::Problem, Strin
     Ok(problem)
 }
 
-/// What a request is about, read and checked.
+/// A request after parsing and checks.
 struct Wanted {
     pool: Pool,
     task: Task,
@@ -66,7 +66,7 @@ struct Wanted {
 }
 
 impl Planner<'_> {
-    /// Plans. Each event is told as it happens, the last one is returned.
+    /// Plans. Reports each event as it happens, and returns the last one.
     pub fn plan(
         &self,
         request: &MakePlan,
@@ -196,7 +196,7 @@ impl Planner<'_> {
         }))
     }
 
-    /// Runs the engine; how it ended, and how many plans it found. `Err`: no engine was asked.
+    /// Runs the engine. Returns its end and the number of plans. `Err` if the engine was not started.
     fn search(
         &self,
         request: &MakePlan,
@@ -254,7 +254,7 @@ impl Planner<'_> {
         Ok((end, found))
     }
 
-    /// A plan as it is shown; `Err` says why it is none.
+    /// A validated plan with its machine. `Err` gives the reason for its rejection.
     fn shown(
         &self,
         request: &MakePlan,
@@ -319,7 +319,7 @@ fn value_of(value: &serde_json::Value) -> Value {
     json::parse(&value.to_string()).map_or(Value::None, |json| Value::from_json(&json))
 }
 
-/// The machine of a plan, to be saved.
+/// The machine of a plan, ready to be saved.
 pub fn machine_of(found: &PlanFound, libraries: &Libraries) -> Result<Machine, String> {
     let mut library = |state: &mut rafcon_model::State| {
         let _differences = rafcon_storage::fill_library(state, libraries);

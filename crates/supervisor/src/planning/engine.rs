@@ -1,30 +1,31 @@
-//! Engines by name, as command lines. `kairos` is a program; all others are those of unified-planning, behind a bridge in Python.
+//! Engines by name, as command lines. `kairos` is a program. All others belong to unified-planning and run behind a bridge in
+//! Python.
 
 use crate::{Interpreter, ProgramEnvironment};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The engine that is taken if none is named.
+/// Name of the default engine.
 pub const DEFAULT_ENGINE: &str = "kairos";
 
-/// Runs a program that ends, with all that it started, when whoever asked is gone, also by a kill: then nobody has the other end of
-/// the input any more.
+/// Runs a program that is killed, with its whole process group, when the caller exits or is killed: that closes the other end of its
+/// input.
 const WATCHED: &str =
     r#"exec 3<&0; { read -r _ <&3; kill -KILL 0; } >/dev/null 2>&1 & exec "$@" 3<&- </dev/null"#;
-/// What a shell ends with that does not find the program.
+/// Exit status of a shell that does not find the program.
 const NOT_THERE: i32 = 127;
 
-/// Talks with the engines of unified-planning; the same text is `python -m rafcon.planning`.
+/// The bridge to the engines of unified-planning; also available as `python -m rafcon.planning`.
 const BRIDGE: &str = include_str!("../../../python/python/rafcon/planning/__main__.py");
 
-/// A second search begins where the first has found nothing for so long.
+/// Time after which a second search starts if the first has found no plan.
 const SECOND_AFTER: Duration = Duration::from_secs(1);
 
 /// A program that finds plans.
 #[derive(Debug, Clone)]
 pub struct Engine {
-    /// Its name.
+    /// Name of the engine.
     pub name: String,
     program: PathBuf,
     kind: Kind,
@@ -37,28 +38,28 @@ enum Kind {
     Unified,
 }
 
-/// One way to search, as a command line.
+/// One kind of search, as a command line.
 #[derive(Debug, Clone)]
 pub(super) struct Lane {
     pub(super) program: PathBuf,
     pub(super) arguments: Vec<OsString>,
-    /// It begins after this time, or when the lanes before it have ended.
+    /// Earliest start. The lane also starts once all earlier lanes have ended.
     pub(super) after: Duration,
 }
 
-/// What the command line depends on.
+/// Parameters of the command line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PlanRequest<'w> {
     pub(super) domain: &'w Path,
     pub(super) problem: &'w Path,
     pub(super) limit: Duration,
     pub(super) anytime: bool,
-    /// Neither numbers nor durations.
+    /// The problem has neither numbers nor durations.
     pub(super) classical: bool,
 }
 
 impl Engine {
-    /// The engine with this name. `python` is the interpreter of runs: a program beside it is preferred.
+    /// The engine with this name. `python` is the interpreter of runs; a program beside it is preferred.
     pub fn find(name: &str, python: &Interpreter, surroundings: &ProgramEnvironment) -> Self {
         if name == DEFAULT_ENGINE {
             let beside = python.program.parent().map(|folder| folder.join("kairos"));
@@ -80,7 +81,7 @@ impl Engine {
         }
     }
 
-    /// Why it could not be started, with the way out.
+    /// Message for an engine that cannot be started, with a remedy.
     pub(super) fn missing(&self, error: &std::io::Error) -> String {
         match error.kind() {
             std::io::ErrorKind::NotFound => {
@@ -102,7 +103,7 @@ impl Engine {
                     let arguments = shell.chain(own).chain(files).chain(arguments).collect();
                     Lane { program: "/bin/sh".into(), arguments, after }
                 }
-                // The bridge looks at its input itself.
+                // The bridge watches its input itself.
                 Kind::Unified => {
                     let arguments = arguments.chain(files).collect();
                     Lane { program: self.program.clone(), arguments, after }
@@ -110,17 +111,17 @@ impl Engine {
             }
         };
         if self.kind == Kind::Unified {
-            // As one argument, a name such as `--help` is no option.
+            // As part of one argument, a name such as `--help` is not an option.
             let engine = format!("--engine={}", self.name);
             let mut arguments = vec!["-c", BRIDGE, &engine, "--time-limit", &seconds];
             arguments.extend(wish.anytime.then_some("--anytime"));
             return vec![lane(&arguments, Duration::ZERO)];
         }
-        // One thread: the same problem gives the same plan.
+        // One thread, so that a problem always gives one and only one plan.
         let anytime = if wish.anytime { "--anytime" } else { "--no-anytime" };
         let usual = ["--format", "json", "--threads", "1", "--timeout", &seconds, anytime];
         if wish.classical {
-            // Greedy search is quick where the usual one is lost, such as among many blocks; and the other way round.
+            // Greedy search is fast on some problems where the usual search fails, such as those with many blocks, and vice versa.
             let greedy = [&usual[..], &["--search", "ff"]].concat();
             vec![lane(&greedy, Duration::ZERO), lane(&usual, SECOND_AFTER)]
         } else {
@@ -128,18 +129,18 @@ impl Engine {
         }
     }
 
-    /// Why there is no engine, if an exit status says so.
+    /// Message if the exit status means that the engine is not installed.
     pub(super) fn is_missing(&self, code: Option<i32>) -> Option<String> {
         let is_so = self.kind == Kind::Kairos && code == Some(NOT_THERE);
         is_so.then(|| self.missing(&std::io::ErrorKind::NotFound.into()))
     }
 
-    /// Whether an exit status says that there is no plan at all.
+    /// The exit status means that no plan exists.
     pub(super) fn proves_impossible(code: Option<i32>) -> bool {
         code == Some(10)
     }
 
-    /// Whether an exit status says that there was none to be found.
+    /// The exit status means that no plan was found.
     pub(super) fn found_none(code: Option<i32>) -> bool {
         matches!(code, Some(0 | 11 | 12 | 14))
     }

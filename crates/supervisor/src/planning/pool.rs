@@ -1,4 +1,4 @@
-//! The skills of a pool, from the libraries on disk.
+//! Loads the skills of a pool from the libraries on disk.
 
 use rafcon_model::{Kind, Library, LibraryContent, State, StateId};
 use rafcon_planner::pddl::Name;
@@ -10,7 +10,7 @@ use smol_str::SmolStr;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Reads all skills of a pool. A library that cannot be read is told, and left out.
+/// Loads all skills of a pool. An unreadable library becomes a finding and is skipped.
 pub(super) fn read(pool: &PlanPool, libraries: &Libraries) -> Pool {
     let mut paths = BTreeSet::new();
     let tree = libraries.tree();
@@ -58,7 +58,7 @@ fn collect(entry: &LibraryEntry, wanted: &str, into: &mut BTreeSet<SmolStr>) {
     }
 }
 
-/// The root of a library.
+/// The root state of a library.
 pub(super) fn library(path: &str, libraries: &Libraries) -> Result<Arc<State>, String> {
     let (folder, name) = path
         .rsplit_once('/')

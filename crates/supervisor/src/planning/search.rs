@@ -1,5 +1,5 @@
-//! Engines as processes: each leads a process group of its own, is bounded in time and in what is kept of its output, and is killed
-//! with all its descendants when it is done, when its time is over, and when the search is cancelled.
+//! Engines as processes. Each leads its own process group and has a limit on time and on stored output. It is killed with all its
+//! descendants at its end, after its time limit, and on cancellation.
 
 use super::descendants::Descendants;
 use super::engine::{Engine, Lane, PlanRequest};
@@ -14,15 +14,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// A longer line is no plan.
+/// Longer lines are not plans.
 const LINE_MAX: u64 = 8 << 20;
-/// Bytes kept from the end of an engine's output besides plans.
+/// Size of the stored end of an engine's output besides plans, in bytes.
 const SAID_BYTES: usize = 2048;
 /// Time beyond the limit after which an engine is killed.
 const GRACE: Duration = Duration::from_millis(300);
 const QUEUE: usize = 16;
 
-/// Ends a search from another thread, now or before it begins.
+/// Cancels a search from another thread, also before it begins.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<Mutex<CancelState>>);
 
@@ -33,17 +33,17 @@ struct CancelState {
 }
 
 impl Cancel {
-    /// Cancels the search: all processes of the engine are killed at once.
+    /// Cancels the search and kills all processes of the engine.
     pub fn cancel(&self) {
         let mut state = self.0.lock();
         state.is_cancelled = true;
         if let Some(wake) = &state.wake {
-            // Where the queue is full, the search looks before it takes the next message.
+            // With a full queue, the search checks the flag before the next message.
             wake.try_send(Message::Cancelled).unwrap_or_default();
         }
     }
 
-    /// True after [`Self::cancel`].
+    /// Returns true after [`Self::cancel`].
     pub fn is_cancelled(&self) -> bool {
         self.0.lock().is_cancelled
     }
@@ -51,9 +51,9 @@ impl Cancel {
 
 #[derive(Debug)]
 enum Message {
-    /// A line in the form of a plan.
+    /// A line with the form of a plan.
     Line(usize, String),
-    /// The output has ended; what was no plan.
+    /// The output has ended. Contains the end of the other output.
     Closed(usize, String),
     /// The end of the error output.
     Error(usize, String),
@@ -63,26 +63,26 @@ enum Message {
 /// The decision about a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// The search ends.
+    /// Accept the plan and end the search.
     Enough,
-    /// A better one is welcome.
+    /// Accept the plan and search for a better one.
     More,
-    /// It is no plan: the search of this lane ends.
+    /// Invalid plan: ends this lane.
     Wrong(String),
-    /// It is a plan, and no machine can be made of it.
+    /// A valid plan from which no machine can be built.
     Unfit(String),
 }
 
 /// The end of a search.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum SearchEnd {
-    /// A plan was enough, or the engine ended after one.
+    /// A plan was accepted, or the engine ended after one.
     Enough,
-    /// There is no plan.
+    /// No plan exists.
     Impossible(String),
-    /// None was found in time.
+    /// No plan was found in time.
     NotFound(String),
-    /// The engine failed.
+    /// The engine failed to run.
     Failed(String),
     Cancelled,
 }
@@ -90,17 +90,17 @@ pub(super) enum SearchEnd {
 /// The effect of a message on a lane.
 type Act = Box<dyn FnOnce(&mut Running)>;
 
-/// A lane that runs.
+/// A lane whose engine runs.
 struct Running {
     child: Child,
     descendants: Descendants,
-    /// The end of its error output, once that is over.
+    /// The end of its error output, once that is closed.
     said: Option<String>,
-    /// What it printed besides plans.
+    /// Its output besides plans.
     printed: String,
     wrong: Option<String>,
     has_ended: bool,
-    /// Its exit status; none if it was killed.
+    /// Its exit status. `None` if it was killed.
     code: Option<i32>,
 }
 
@@ -117,7 +117,7 @@ impl Running {
         }
     }
 
-    /// Its whole output except plans.
+    /// Its stored output, except plans.
     fn words(&self) -> String {
         let said = self.said.as_deref().unwrap_or_default();
         let lines = said.lines().chain(self.printed.lines());
@@ -129,22 +129,22 @@ impl Running {
         }
     }
 
-    /// True if it exited with status 0 and printed nothing.
+    /// It exited with status 0 and printed nothing.
     fn is_mute(&self) -> bool {
         let said = self.said.as_deref().unwrap_or_default();
         self.code == Some(0) && said.trim().is_empty() && self.printed.trim().is_empty()
     }
 
-    /// True if no output can follow.
+    /// No further output can follow.
     fn is_over(&self) -> bool {
         self.has_ended && (self.said.is_some() || self.wrong.is_some())
     }
 
-    /// Kills the process and all that it started; remembers how it ended.
+    /// Kills the process and its descendants, and stores its exit status.
     fn end(&mut self) {
         if !self.has_ended {
             if let Some(group) = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw) {
-                // Gone already: nothing to kill.
+                // The group may no longer exist.
                 kill_process_group(group, Signal::KILL).unwrap_or_default();
             }
             self.descendants.kill();
@@ -160,7 +160,7 @@ impl Drop for Running {
     }
 }
 
-/// Searches with an engine until a plan is enough.
+/// Searches with an engine until a plan is accepted.
 pub(super) fn search(
     engine: &Engine,
     wish: &PlanRequest<'_>,
@@ -233,7 +233,7 @@ impl Search<'_> {
         }
     }
 
-    /// Starts the next lane; returns the end of the search if that is impossible.
+    /// Starts the next lane. Returns the end of the search if that fails.
     fn start_next(&mut self, sender: &SyncSender<Message>) -> Option<SearchEnd> {
         let (index, lane) = self.lanes.pop_front()?;
         match start(index, &lane, sender) {
@@ -245,7 +245,7 @@ impl Search<'_> {
         }
     }
 
-    /// The end of the search, if a message ends it.
+    /// Handles a message. Returns the end of the search if the message ends it.
     fn take(
         &mut self,
         message: Message,
@@ -294,7 +294,7 @@ impl Search<'_> {
         }
     }
 
-    /// The end of the search after the end of all lanes.
+    /// The end of the search after all lanes have ended.
     fn verdict(&self) -> SearchEnd {
         let name = &self.engine.name;
         let lanes = || self.running.iter().map(|(_, running)| running);
@@ -335,7 +335,7 @@ impl Search<'_> {
 
 fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<Running> {
     let mut command = Command::new(&lane.program);
-    // Its input is a pipe that ends with us: the engine ends with it, even when we are killed.
+    // Its input is a pipe that closes with the caller, so the engine ends with it, even after a kill.
     command
         .args(&lane.arguments)
         .stdin(Stdio::piped())
@@ -350,7 +350,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
         .name("engine".to_owned())
         .spawn(move || read_lines(stdout, index, &tell));
     let tell = sender.clone();
-    // If a thread does not start, `running` is dropped, which kills the engine.
+    // If a thread cannot be started, dropping `running` kills the engine.
     let _reads = started?;
     thread::Builder::new()
         .name("engine errors".to_owned())
@@ -358,7 +358,7 @@ fn start(index: usize, lane: &Lane, sender: &SyncSender<Message>) -> io::Result<
     Ok(running)
 }
 
-/// Passes on lines of plans, and at the end the last bytes of all other output.
+/// Forwards lines of plans, and at the end the last bytes of all other output.
 fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>) {
     let mut reader = from.map(BufReader::new);
     let (mut line, mut other) = (Vec::new(), Vec::new());
@@ -381,7 +381,7 @@ fn read_lines(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>)
             keep(&mut other, &line);
         }
     }
-    // The search has ended: nobody listens.
+    // The receiver may have been dropped.
     let other = String::from_utf8_lossy(&other).into_owned();
     tell.send(Message::Closed(index, other)).unwrap_or_default();
 }
@@ -399,14 +399,14 @@ fn read_errors(from: Option<impl Read>, index: usize, tell: &SyncSender<Message>
         .unwrap_or_default();
 }
 
-/// Adds to what is kept, and drops its beginning where it becomes too long.
+/// Appends to the stored output, and drops its beginning beyond the limit.
 fn keep(kept: &mut Vec<u8>, more: &[u8]) {
     kept.extend_from_slice(more);
     let surplus = kept.len().saturating_sub(SAID_BYTES);
     kept.drain(..surplus);
 }
 
-/// How long ago that was.
+/// Time since `begin`, in ms.
 pub(super) fn millis_since(begin: Instant) -> u64 {
     u64::try_from(clock::now().saturating_duration_since(begin).as_millis()).unwrap_or(u64::MAX)
 }
