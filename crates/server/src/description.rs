@@ -1,4 +1,4 @@
-//! The shared parts of the OpenAPI description: security, refusals before the handler, WebSocket messages and examples. Knows
+//! The shared parts of the `OpenAPI` description: security, refusals before the handler, WebSocket messages and examples. Knows
 //! the table of rights, but not the handlers.
 
 use crate::access;

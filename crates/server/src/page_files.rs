@@ -19,7 +19,7 @@ pub enum PageFiles {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct PageFile {
     pub(crate) bytes: Cow<'static, [u8]>,
-    /// The bytes are a gzip file.
+    /// True if the bytes are a gzip file.
     pub(crate) is_packed: bool,
     /// Value for the header `Content-Type`.
     pub(crate) kind: &'static str,
@@ -81,7 +81,7 @@ impl PageFiles {
     }
 }
 
-/// The name is a file of the page's folder or of its `assets`, and cannot lead out of them.
+/// True for a name in the page's folder or its `assets`, which cannot lead out of them.
 fn is_plain(name: &str) -> bool {
     let name = name.strip_prefix("assets/").unwrap_or(name);
     let is_sign = |sign: char| sign.is_ascii_alphanumeric() || "-_.".contains(sign);

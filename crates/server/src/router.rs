@@ -48,7 +48,7 @@ async fn health() -> Json<Health> {
     Json(Health { program: "rafcon".to_owned(), version: env!("CARGO_PKG_VERSION").to_owned() })
 }
 
-/// This description of all routes, as OpenAPI.
+/// Returns this description of all routes.
 #[utoipa::path(get, path = "/api/v1/openapi.json", tag = "server", responses(
     (status = 200, description = "An OpenAPI document", body = Object)
 ))]
@@ -57,7 +57,7 @@ async fn openapi_json() -> impl IntoResponse {
     ([(CONTENT_TYPE, "application/json")], TEXT.as_str())
 }
 
-/// State of the files, open machines and active runs.
+/// State of the files, of open machines, and of runs that are active or changed since the start.
 #[utoipa::path(get, path = "/api/v1/status", tag = "server", responses(
     (status = 200, description = "The latest truth", body = ServerStatus)
 ))]

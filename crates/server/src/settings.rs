@@ -180,7 +180,7 @@ impl BasePath {
 /// Settings of tokens and passwords.
 #[derive(Debug, Clone)]
 pub struct Access {
-    /// Keep the owner's token of the last start.
+    /// True to keep the owner's token of the last start.
     pub keep_token: bool,
     /// Cost of hashing a password.
     pub cost: HashCost,

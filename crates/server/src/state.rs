@@ -37,9 +37,9 @@ pub struct ServerState {
     pub(crate) documents: Documents,
     /// Analysis of scripts by the interpreter.
     pub(crate) python: Python,
-    /// Planning of contents of states.
+    /// Limits on engines that plan.
     pub(crate) plans: Plans,
-    /// Active and interrupted runs.
+    /// All runs of the server.
     pub(crate) runs: Runs,
     /// State shared by the clients' connections.
     pub(crate) sockets: Sockets,
@@ -83,7 +83,7 @@ impl ServerState {
         files::begin(self);
     }
 
-    /// Summary of the files, open machines and active runs.
+    /// State of the files, of open machines, and of runs that are active or changed since the start.
     pub(crate) async fn status(&self) -> ServerStatus {
         ServerStatus {
             files_revision: self.news.files_revision(),

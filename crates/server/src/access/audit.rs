@@ -110,7 +110,7 @@ impl Audit {
         }
     }
 
-    /// Waits until all queued lines are written, for at most [`FLUSH_TIMEOUT`].
+    /// Waits until all queued lines are written, but not beyond the timeout.
     pub(crate) fn settle(&self) {
         let (done, settled) = sync_channel(1);
         let asked = self.words.as_ref().map(|words| words.try_send(Word::Settle(done)));

@@ -21,7 +21,7 @@ const PART: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Peer {
     pub(crate) ip: IpAddr,
-    /// The client runs on this computer.
+    /// True if the client runs on this computer.
     pub(crate) is_near: bool,
 }
 
@@ -131,7 +131,7 @@ impl ConnectionSlots {
         if peer.is_near { all } else { (all / PART).max(1) }
     }
 
-    /// A new connection needs the slot of another one.
+    /// True if a new connection needs the slot of another one.
     fn is_full(&self, taken: &Taken) -> bool {
         let Capacity { all, anonymous } = self.capacity;
         taken.places.len() >= all || taken.anonymous().count() >= anonymous

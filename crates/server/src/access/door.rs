@@ -149,7 +149,7 @@ fn cut(text: &str) -> &str {
     &text[..text.floor_char_boundary(200)]
 }
 
-/// The client accepts HTML.
+/// True if the client accepts HTML.
 fn is_for_people(request: &Request) -> bool {
     let kinds = request.headers().get(header::ACCEPT).and_then(|kinds| kinds.to_str().ok());
     kinds.is_some_and(|kinds| kinds.contains("text/html"))
@@ -195,7 +195,7 @@ pub(crate) fn cookie(headers: &HeaderMap, name: &str) -> Option<String> {
     pairs.find_map(|pair| pair.strip_prefix(name)?.strip_prefix('=')).map(str::to_owned)
 }
 
-/// Refuses changing requests and WebSockets that pages of other sites send through a browser.
+/// Refuses requests that pages of other sites send through a browser, if they change something or open a WebSocket.
 fn check_origin(
     server: &ServerState,
     request: &Request,
@@ -244,7 +244,7 @@ fn unknown() -> Failure {
     failure.asking_for_token()
 }
 
-/// The request comes from this computer.
+/// True if the request comes from this computer.
 fn is_near(request: &Request) -> bool {
     request.extensions().get::<Peer>().is_some_and(|peer| peer.is_near)
 }

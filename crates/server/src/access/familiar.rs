@@ -25,7 +25,7 @@ impl Familiar {
         Ok(Self { file, addresses: Mutex::new(addresses) })
     }
 
-    /// The user has logged in from this network before.
+    /// True if the user has logged in from this network before.
     pub(super) fn knows(&self, user: &str, network: IpAddr) -> bool {
         self.addresses.lock().contains(&(user.to_owned(), network))
     }

@@ -28,7 +28,7 @@ pub(super) struct Try<'t> {
     pub(super) user: &'t str,
     /// Source [`network`] of the attempt.
     pub(super) from: IpAddr,
-    /// The user has logged in from there before.
+    /// True if the user has logged in from there before.
     pub(super) is_familiar: bool,
 }
 

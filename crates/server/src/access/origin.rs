@@ -11,9 +11,9 @@ use std::net::IpAddr;
 pub(crate) struct Names {
     /// The port it listens on.
     pub(crate) port: u16,
-    /// The server uses TLS.
+    /// True with TLS.
     pub(crate) is_secure: bool,
-    /// Only programs on this computer can reach the server.
+    /// True if only programs on this computer can reach the server.
     pub(crate) is_loopback: bool,
     /// Its names and addresses, in lower case, valid with its port.
     pub(crate) hosts: Vec<String>,
@@ -33,13 +33,13 @@ impl Names {
         if self.is_secure { "https" } else { "http" }
     }
 
-    /// `host`, the value of a `Host` header, names this server.
+    /// True if `host`, the value of a `Host` header, names this server.
     pub(crate) fn answers_to(&self, host: &str) -> bool {
         let Some((name, port)) = parted(host) else { return false };
         self.given.contains(&name) || self.is_direct(&name, port)
     }
 
-    /// The host is the server's own address, without a proxy.
+    /// True for this server's own address, without a proxy.
     fn is_direct(&self, name: &str, port: Option<u16>) -> bool {
         port.unwrap_or(usual_port(self.is_secure)) == self.port && self.is_called(name)
     }
@@ -52,14 +52,14 @@ impl Names {
         own.chain(given).collect::<Vec<_>>().join(", ")
     }
 
-    /// An address counts as a name, because only names can be redirected by their owner.
+    /// True for a known name, and for an address that can be this server's: unlike a name, no owner can redirect an address.
     fn is_called(&self, name: &str) -> bool {
         let address = name.parse::<IpAddr>().ok();
         self.hosts.iter().any(|host| host == name)
             || address.is_some_and(|address| !self.is_loopback || address.is_loopback())
     }
 
-    /// The page was served by this server under the requested name and port. Its scheme must match, too, unless a proxy may have
+    /// True for a page that this server served under the requested name and port. The scheme must match, too, unless a proxy may have
     /// ended TLS without a report.
     pub(crate) fn is_own(&self, origin: &str, outer: &OuterAddress) -> bool {
         let Some((scheme, page)) = origin.split_once("://") else { return false };

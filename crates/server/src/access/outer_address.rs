@@ -62,7 +62,7 @@ impl OuterAddress {
         let base = if prefix.is_some() { listen.base_path.clone() } else { BasePath::default() };
         let plain = Self { is_secure: None, host: host.to_owned(), base, is_bare, peer };
         if !listen.proxies.contains(&peer.ip) {
-            // A client behind an unlisted proxy may be remote.
+            // A client behind an unlisted proxy counts as remote.
             let is_near = peer.is_near && !is_forwarded(headers);
             return Ok(Self { peer: Peer { is_near, ..peer }, ..plain });
         }

@@ -39,7 +39,7 @@ pub(super) struct HashMemory {
 }
 
 impl HashMemory {
-    /// The password has the hash `kept`. Without a hash, the check takes as long and fails.
+    /// True if the password has the hash `kept`. Without a hash, the check takes as long and fails.
     pub(super) fn is_right(&self, password: &str, kept: Option<&str>, cost: HashCost) -> bool {
         let kept = kept.and_then(|kept| PasswordHash::new(kept).ok());
         let none = || Params::new(cost.memory_kib, cost.passes, 1, None).unwrap_or_default();
@@ -77,7 +77,7 @@ fn parts(kept: &PasswordHash) -> Option<(Params, &[u8], &Output)> {
     Some((params, kept.salt.as_ref()?.as_ref(), kept.hash.as_ref()?))
 }
 
-/// The hash was made at this cost.
+/// True if the hash was made at this cost.
 pub(super) fn is_of(kept: &str, cost: HashCost) -> bool {
     let head = format!("$argon2id$v=19$m={},t={},p=1$", cost.memory_kib, cost.passes);
     kept.starts_with(&head)

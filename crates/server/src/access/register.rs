@@ -43,7 +43,7 @@ impl Register {
         Ok(Self { file, lock, read, revision: watch::Sender::new(0) })
     }
 
-    /// The current roster. It is empty while its file cannot be read, so that no revoked user is admitted.
+    /// The current roster. It is empty while its file cannot be read, so that nobody is admitted by mistake.
     pub(crate) fn now(&self) -> Arc<Roster> {
         let now = stamp(&self.file);
         let read = self.read.read().clone();

@@ -1,11 +1,11 @@
-//! Which route and which command needs which right: the only table of it. Pure.
+//! Rights that routes, commands and frames require. This is the only table of them. Pure.
 
 use axum::http::Method;
 use rafcon_protocol::Command;
 use rafcon_protocol::api::{Right, StartRun};
 use rafcon_protocol::socket::ToServer;
 
-/// One route: method, path as the router spells it, and the right that it needs.
+/// One route: its method, its path as in the router, and the required right.
 pub type Row = (Method, &'static str, Right);
 
 /// Every route. A route that is missing here is denied.
@@ -62,7 +62,7 @@ pub const ROUTES: &[Row] = &[
     (Method::POST, "/api/v1/machines/{machine}/save_state", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/reload", Right::Edit),
     (Method::POST, "/api/v1/machines/{machine}/close", Right::Edit),
-    // Runs: their life.
+    // Runs: start, state and control.
     (Method::GET, "/api/v1/runs", Right::Observe),
     (Method::POST, "/api/v1/runs", Right::Start),
     (Method::POST, "/api/v1/runs/prune", Right::Administer),
@@ -85,7 +85,7 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/globals", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/output", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/results", Right::Observe),
-    // Runs: what they have recorded.
+    // Runs: their records.
     (Method::GET, "/api/v1/runs/{run}/events", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/events/{sequence}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/log", Right::Observe),
@@ -102,18 +102,18 @@ pub const ROUTES: &[Row] = &[
     (Method::GET, "/api/v1/runs/{run}/statistics", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/compare/{other}", Right::Observe),
     (Method::GET, "/api/v1/runs/{run}/export", Right::Observe),
-    // Everything that continues.
+    // Status, and the WebSocket.
     (Method::GET, "/api/v1/status", Right::Observe),
     (Method::GET, "/api/v1/socket", Right::Observe),
 ];
 
-/// The right that a route needs; `None` if it has no row.
+/// The right that a route requires. `None` if it has no row.
 pub fn of_route(method: &Method, path: &str) -> Option<Right> {
     let is_it = |row: &&Row| row.0 == *method && row.1 == path;
     ROUTES.iter().find(is_it).map(|row| row.2)
 }
 
-/// The right that a command of a run needs. A command that brings Python text into a run is an edit.
+/// The right that a command of a run requires. A command that adds Python code to a run counts as an edit.
 pub fn of_command(command: &Command) -> Right {
     match command {
         Command::Reload { .. } | Command::EditScript { .. } => Right::Edit,
@@ -142,13 +142,13 @@ pub fn of_command(command: &Command) -> Right {
     }
 }
 
-/// The right that starting a run needs. A start that brings Python text into a run is an edit.
+/// The right that the start of a run requires. A start that adds Python code to a run counts as an edit.
 pub fn of_start(start: &StartRun) -> Right {
     let is_edit = start.breakpoints.iter().any(|breakpoint| breakpoint.condition.is_some());
     if is_edit { Right::Edit } else { Right::Start }
 }
 
-/// The right that a frame of the socket needs.
+/// The right that a frame of the socket requires.
 pub fn of_frame(frame: &ToServer) -> Right {
     match frame {
         ToServer::Command { envelope, .. } => of_command(&envelope.command),

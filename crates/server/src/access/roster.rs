@@ -194,7 +194,7 @@ impl Roster {
 }
 
 impl Token {
-    /// The token has expired.
+    /// True if the token has expired.
     pub(super) fn is_over(&self, now_ms: u64) -> bool {
         self.expires_ms.is_some_and(|end| end <= now_ms)
     }

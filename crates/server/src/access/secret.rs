@@ -1,4 +1,4 @@
-//! Secrets: 256 random bits for a client, and the digest by which the server recognizes them.
+//! Secrets: 256 random bits that authenticate a client, and the digest by which the server recognizes them.
 
 use rustix::io::Errno;
 use rustix::rand::{GetRandomFlags, getrandom};

@@ -56,7 +56,7 @@ impl Users {
         self.register.now()
     }
 
-    /// The user with this name currently has the right.
+    /// True if the user with this name currently has the right.
     pub(crate) fn may(&self, name: &str, right: Right) -> bool {
         self.roster().role_of(name).is_some_and(|role| role.grants(right))
     }

@@ -1,4 +1,4 @@
-//! Machines as they lie on disk, and the names of their contents. Knows folders, but not who has them open.
+//! Loads and saves machines, and hashes their contents. Knows folders, but not the sessions that use them.
 
 use crate::Failure;
 use crate::document_text::document_text;
@@ -9,20 +9,20 @@ use rafcon_storage::{Libraries, LoadError, LoadProblem, SaveError, Saved, load, 
 use std::path::Path;
 use std::sync::Arc;
 
-/// A machine that was read.
+/// A machine loaded from its files.
 #[derive(Debug)]
 pub(super) struct OnDisk {
     pub(super) machine: Machine,
     pub(super) saved: Saved,
     /// Faults of its files.
     pub(super) problems: Vec<LoadProblem>,
-    /// The name of its content.
+    /// Hash of its content.
     pub(super) hash: String,
     /// Its content: a [`rafcon_protocol::document::Document`] as JSON.
     pub(super) document: Vec<u8>,
 }
 
-/// Reads the machine in a folder; `None` if it no longer exists.
+/// Loads the machine in a folder. `None` if it no longer exists.
 pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk>, Failure> {
     let loaded = match load(folder, libraries) {
         Ok(loaded) => loaded,
@@ -34,7 +34,7 @@ pub(super) fn read(folder: &Path, libraries: &Libraries) -> Result<Option<OnDisk
     Ok(Some(OnDisk { machine, saved, problems, hash, document }))
 }
 
-/// The name of a machine's content, and the content.
+/// The hash of a machine's content, and the content as JSON.
 pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
     let document = document_text(machine).map_err(|error| {
         let message = format!("the machine cannot be put into JSON, which is a defect: {error}");
@@ -43,7 +43,7 @@ pub(super) fn content(machine: &Machine) -> Result<(String, Vec<u8>), Failure> {
     Ok((blake3::hash(&document).to_hex().to_string(), document))
 }
 
-/// Writes those parts of a machine that differ from what is on disk.
+/// Writes the parts of a machine that differ from its files.
 pub(super) fn write(
     machine: &Machine,
     folder: &Path,
@@ -61,7 +61,7 @@ pub(super) fn write(
     })
 }
 
-/// A machine with nothing in it but an outcome.
+/// A machine with one outcome and no states.
 pub(super) fn empty(name: &str, id: StateId, creation_time: &str) -> Machine {
     let kind = Kind::Hierarchy(rafcon_model::Container::default());
     let mut root = State::new(id, name, kind);
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn a_refused_save_names_its_cause() {
         let machine = empty("Any", StateId::new("ROOT"), "");
-        // Nobody may create folders there, on any computer; a container mounts it read-only.
+        // No computer allows folders there. A container mounts it read-only.
         let folder = Path::new("/sys/kernel/rafcon-machine");
         let failure = write(&machine, folder, None, Naming::default()).unwrap_err();
         let message = failure.to_string();

@@ -327,7 +327,7 @@ fn check_name(name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-/// First revision of a machine that is opened now: above all earlier ones, and exact in JavaScript.
+/// First revision of a machine that is opened now: above all earlier ones, and small enough to be exact in JavaScript.
 fn first_revision() -> u64 {
     since_1970_ms() * 1000
 }

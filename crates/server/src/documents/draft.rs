@@ -209,7 +209,7 @@ impl Draft {
         Ok(Self { place, head, file: Some(file) })
     }
 
-    /// The draft is on disk.
+    /// True if the draft is on disk.
     pub(super) fn is_begun(&self) -> bool {
         self.file.is_some()
     }

@@ -35,7 +35,7 @@ pub(crate) enum Operation<E = Box<Edit>, M = String> {
     Jump {
         /// Revision to return to.
         revision: u64,
-        /// Also if that reverts steps of other users.
+        /// True to revert steps of other users, too.
         #[serde(skip)]
         over_others: bool,
     },

@@ -68,12 +68,12 @@ impl MachinePlace {
         })
     }
 
-    /// Both places are the layout of one state.
+    /// True if both places are the layout of one state.
     pub(super) fn is_layout(&self, other: &Self) -> bool {
         self.part == StatePart::Layout && self == other
     }
 
-    /// Reverting this place would undo the change of a later step at `later`. Children of a state whose id changed move back
+    /// True if reverting this place would undo the change of a later step at `later`. Children of a state whose id changed move back
     /// with it.
     pub(super) fn is_built_upon(&self, later: &Self) -> bool {
         if self.part == StatePart::Header || later.part == StatePart::Header {
@@ -93,7 +93,7 @@ impl MachinePlace {
 }
 
 impl StatePart {
-    /// A change of the state's kind removes this part.
+    /// True if a change of the state's kind removes this part.
     fn is_inside(self) -> bool {
         match self {
             Self::Whole

@@ -24,7 +24,7 @@ pub(super) struct Recovered {
     pub(super) draft: Draft,
     /// The revision that is on disk.
     pub(super) saved_revision: u64,
-    /// The draft has unsaved edits.
+    /// True if the draft has unsaved edits.
     pub(super) has_edits: bool,
     /// Hash of the files when they were last read or written.
     pub(super) hash: String,
@@ -98,7 +98,7 @@ fn interrupted_save(found: &FoundDraft, on_disk: &str) -> Option<DraftLine> {
     })
 }
 
-/// The machine differs from the last saved one. Edits may also have been undone.
+/// True if the machine differs from the last saved one. Edits may have been undone.
 fn has_edits(machine: &OpenMachine, on_disk: &OnDisk, expected: &str) -> Result<bool, Failure> {
     if *machine.machine() == on_disk.machine {
         return Ok(false);

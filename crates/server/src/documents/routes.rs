@@ -263,7 +263,7 @@ async fn steps(
     server.documents.looks.work(move || Ok(Json(session.steps()))).await
 }
 
-/// Returns an open machine to an earlier revision. This is a new step, which its author can undo.
+/// Resets an open machine to another revision, as a new step that its author can undo.
 #[utoipa::path(post, path = "/api/v1/machines/{machine}/jump", tag = "machines", request_body = JumpMachine,
     params(("machine" = String, Path, description = "The machine's id")),
     responses(

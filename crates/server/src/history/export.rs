@@ -154,7 +154,7 @@ fn failure(error: ExportError) -> Failure {
     }
 }
 
-/// The client no longer reads the export.
+/// True if the client no longer reads the export.
 fn is_gone(error: &ExportError) -> bool {
     let ExportError::Write(error) = error else { return false };
     matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::TimedOut)

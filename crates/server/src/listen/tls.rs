@@ -49,7 +49,7 @@ pub enum TlsError {
         /// The file without a certificate.
         path: PathBuf,
     },
-    /// Certificate and key do not fit together.
+    /// Certificate and key cannot be used together.
     #[error("the certificate {} cannot be used with its key: name another pair", path.display())]
     Pair {
         /// The file of the certificate.
@@ -62,7 +62,7 @@ pub enum TlsError {
     Make(#[source] rcgen::Error),
 }
 
-/// TLS is required at addresses that other computers can reach, and used with a configured certificate.
+/// True if the server uses TLS: always at addresses that other computers can reach, and with a configured certificate.
 pub(super) fn is_needed(listen: &Listen, address: SocketAddr) -> bool {
     !address.ip().is_loopback() || listen.certificate.is_some()
 }

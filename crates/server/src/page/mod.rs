@@ -143,7 +143,7 @@ fn document(file: PageFile, head: &HeaderMap) -> Result<Response, Failure> {
     Ok((fixed, file.bytes).into_response())
 }
 
-/// The client accepts gzip, as all browsers do.
+/// True if the client accepts gzip, as all browsers do.
 fn takes_gzip(head: &HeaderMap) -> bool {
     let codings =
         head.get_all(header::ACCEPT_ENCODING).iter().filter_map(|line| line.to_str().ok());

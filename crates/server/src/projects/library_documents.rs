@@ -1,10 +1,10 @@
-//! Cache of library documents, bounded by their bytes.
+//! Cache of library documents, limited in bytes.
 
 use super::library::Content;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Bytes of documents in the cache. A longer document is sent, but not cached.
+/// Capacity of the cache, in bytes. A longer document is sent, but not cached.
 const CACHE_BYTES_MAX: usize = 64 << 20;
 
 /// Documents by the folder of their library.
@@ -19,7 +19,7 @@ impl LibraryDocuments {
         self.by_folder.get(folder).cloned()
     }
 
-    /// Caches a document. Clears the cache first if both do not fit: libraries are parsed again when somebody opens them.
+    /// Caches a document. Clears the cache first if it has no room: cleared libraries are parsed again at the next request.
     pub(super) fn insert(&mut self, folder: PathBuf, content: Content) {
         let bytes = content.document.len();
         if bytes > CACHE_BYTES_MAX {

@@ -127,7 +127,7 @@ async fn library(
     Ok((head, document).into_response())
 }
 
-/// The header contains this tag. A proxy that recompresses a response marks its tag as weak.
+/// True if the header contains this tag. A proxy that recompresses a response marks its tag as weak.
 fn names(known: &HeaderValue, tag: &str) -> bool {
     let mut tags = known.to_str().unwrap_or_default().split(',').map(str::trim);
     tags.any(|known| known.strip_prefix("W/").unwrap_or(known) == tag)

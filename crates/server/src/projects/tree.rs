@@ -31,12 +31,12 @@ struct ListedFolder {
     parent: usize,
 }
 
-/// The name is not a folder of the project: it is hidden, or made by another program for itself.
+/// True if the name is hidden, or made by another program for itself.
 pub(crate) fn is_foreign(name: &str) -> bool {
     name.starts_with('.') || FOREIGN.contains(&name)
 }
 
-/// A folder is a machine if it has a header. The header may be a link, as in an installed workspace.
+/// True if the folder has a machine's header. The header may be a link, as in an installed workspace.
 pub(crate) fn is_machine(folder: &Path) -> bool {
     folder.join(HEADER).is_file()
 }

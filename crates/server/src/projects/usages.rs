@@ -60,7 +60,7 @@ impl<'s> Search<'s> {
         Self { path, name, hidden, most, found, folders: FOLDERS_MAX, seen }
     }
 
-    /// The search reached a limit, so it may have missed usages.
+    /// True if the search reached a limit, so that it may have missed usages.
     pub(crate) fn is_full(&self) -> bool {
         self.found.len() >= self.most || self.seen.len() >= self.folders
     }
@@ -134,7 +134,7 @@ fn folders(folder: &Path) -> Vec<PathBuf> {
     entries.flatten().filter(is_shown).map(|entry| entry.path()).collect()
 }
 
-/// The file is small enough to read and is not a link.
+/// True for a file that is small enough to read and is not a link.
 fn is_fit(core: &Path) -> bool {
     core.symlink_metadata().is_ok_and(|about| about.is_file() && about.len() <= BYTES_MAX)
 }

@@ -1,17 +1,17 @@
-//! Workspaces of colcon: `colcon build --symlink-install` installs links to sources and builds. Knows the files by which such
-//! a workspace is recognized.
+//! Workspaces of colcon: `colcon build --symlink-install` installs links to sources and builds. Knows the files that identify
+//! such a workspace.
 
 use super::at_home;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Marks the folder into which a workspace is installed.
+/// File that marks the install folder of a workspace.
 const INSTALLED: &str = ".colcon_install_layout";
-/// Names the program that built a workspace. A project cannot contain it, for it lies beside the install folder.
+/// File with the name of the program that built a workspace. It is beside the install folder, so a project cannot contain it.
 const BUILT_BY: &str = "build/.built_by";
 
-/// The folders to which links of a project may lead besides itself: sources and builds of the workspace that it is installed
-/// by.
+/// The folders outside of a project to which its links may lead: sources and builds of the workspace from which it is
+/// installed.
 pub(super) fn sources(project: &Path) -> Vec<PathBuf> {
     let installed = project.ancestors().find(|folder| folder.join(INSTALLED).is_file());
     let Some(workspace) = installed.and_then(Path::parent) else { return Vec::new() };

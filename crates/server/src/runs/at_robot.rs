@@ -13,18 +13,18 @@ use std::sync::Arc;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
-/// Has a robot carry out a request of a user; gives the id of the run that it is about.
+/// Sends a user's request to a robot and waits for its result. Returns the id of the run.
 pub(super) async fn carry_out(
     server: &ServerState,
     robot: &str,
     request: RobotRequest,
 ) -> Result<String, Failure> {
     let (answer, answered) = oneshot::channel();
-    // After a time-out nobody receives it; a repeated request does.
+    // After a timeout the receiver is dropped. A repeated request gets the result.
     let answered_by_robot = Box::new(move |it| answer.send(it).unwrap_or_default());
     let is_start = matches!(request, RobotRequest::Start(_));
     let not_taken = |why| match why {
-        // Users name the robot of a start; that of a resume is the run's.
+        // Users name the robot of a start. A resume uses the robot of the run.
         NotTaken::NotReceived(why) if is_start => {
             Failure::not_found("no_such_robot", format!("robot {robot}: {why}"))
         }
@@ -64,7 +64,7 @@ pub(super) async fn carry_out(
     }
 }
 
-/// Has a robot start a machine that it has.
+/// Requests a robot to start a machine of its projects.
 pub(super) async fn start(
     server: &ServerState,
     who: &Who,
@@ -78,7 +78,7 @@ pub(super) async fn start(
     by_robot(server, robot, start).await
 }
 
-/// Starts the machine of a run again, where that run is.
+/// Starts the machine of a run again, on the computer of that run.
 pub(super) async fn start_again(
     server: &Arc<ServerState>,
     who: &Who,

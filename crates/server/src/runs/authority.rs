@@ -66,7 +66,7 @@ impl RunAuthority {
         move_holder(&self.server, &run, user, wanted).map_err(|failure| failure.to_string())
     }
 
-    /// The runs in the folder are known.
+    /// True once the runs in the folder are known.
     pub fn is_ready(&self) -> bool {
         self.server.runs.are_known()
     }

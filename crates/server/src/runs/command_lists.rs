@@ -221,7 +221,7 @@ fn set_fate(line: &mut ListLine, RecordedFate { answer, is_run_over }: RecordedF
     }
 }
 
-/// The fate of the command is known.
+/// True if the fate of the command is known.
 fn is_answered(line: &ListLine) -> bool {
     matches!(&line.fate, Some(ListFate::Answered { answer }) if is_known(answer))
 }
@@ -234,7 +234,7 @@ fn is_over(line: &ListLine) -> bool {
     line.expires_ms.is_some_and(|expires_ms| expires_ms <= clock::since_1970_ms())
 }
 
-/// A release would send the command now.
+/// True if a release now would send the command.
 fn is_to_send(line: &ListLine) -> bool {
     match &line.fate {
         None => true,

@@ -64,7 +64,7 @@ pub(crate) async fn command(
     Ok(CommandAnswer { id, answer })
 }
 
-/// A runner can be commanded. With a link it exists, whatever the phase of the run.
+/// True if the run has a runner that can be commanded. With a link it has one, unless it has finished.
 fn is_commanded(run: &Run) -> bool {
     let is_finished = matches!(run.summary().phase, RunPhase::Finished { .. });
     run.is_live() || (run.link().is_some() && !is_finished)

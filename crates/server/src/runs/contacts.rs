@@ -1,4 +1,4 @@
-//! The planned contacts with a robot of this station. Knows requests and rights; the plan lies with the station.
+//! Routes for the planned contacts with a robot of this station. Knows requests and rights. The station stores the plan.
 
 use crate::access::Who;
 use crate::extract::{Body, Path};

@@ -35,7 +35,7 @@ pub(super) struct RunRequest {
     /// Key of a pending request to resume it. It is unknown whether its runner was started.
     #[serde(default)]
     pub(super) resuming: Option<String>,
-    /// The run is no longer resumed automatically: a user has to decide.
+    /// True if the run is no longer resumed automatically: a user has to decide.
     #[serde(default)]
     pub(super) is_left_alone: bool,
 }
@@ -51,7 +51,7 @@ impl RunRequest {
         serde_json::from_slice(&fs::read(folder.join(REQUEST_FILE)).ok()?).ok()
     }
 
-    /// The run in `folder` has not begun, and its request is too old to be repeated.
+    /// True if the request for the run in `folder`, which has not begun, is too old to be repeated.
     pub(super) fn is_forgotten(folder: &Path) -> bool {
         let written = fs::metadata(folder.join(REQUEST_FILE)).and_then(|about| about.modified());
         let age = written.ok().and_then(|written| written.elapsed().ok());
@@ -112,7 +112,7 @@ impl RunRequest {
         self.start.as_ref().map(|start| &start.machine)
     }
 
-    /// A crashed run is resumed automatically: the computer was not restarted since.
+    /// True if a crashed run is resumed automatically: the computer was not restarted since the request.
     pub(super) fn may_go_on(&self) -> bool {
         !self.is_left_alone && !self.boot.is_empty() && self.boot == boot()
     }

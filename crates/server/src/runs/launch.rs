@@ -67,7 +67,7 @@ pub(super) enum LaunchError {
 }
 
 impl LaunchError {
-    /// The runner died before its first message. Another attempt may succeed.
+    /// True if the runner died before its first message. Another attempt may succeed.
     pub(super) fn is_death(&self) -> bool {
         matches!(self, Self::Ended { .. } | Self::Lost | Self::Begin(BeginError::Gone(_)))
     }

@@ -165,7 +165,7 @@ impl Link {
         }
     }
 
-    /// A command is pending. The runner processes commands in order.
+    /// True while a command is pending. The runner processes commands in order.
     pub(super) fn is_busy(&self) -> bool {
         !self.waiting.lock().answers.is_empty()
     }

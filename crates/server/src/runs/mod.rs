@@ -149,7 +149,7 @@ impl Runs {
         self.all.lock().get(id).cloned()
     }
 
-    /// The folder has been read, so all runs are known.
+    /// True once the folder has been read.
     pub(crate) fn are_known(&self) -> bool {
         *self.known.borrow()
     }

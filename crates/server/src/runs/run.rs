@@ -48,11 +48,11 @@ pub(crate) struct Run {
     tell: fn(&str),
     /// Counter that increments when the summary changes.
     news: watch::Sender<u64>,
-    /// A supervisor follows its runner.
+    /// True while a supervisor follows its runner.
     is_followed: AtomicBool,
-    /// It has changed since it was found.
+    /// True if it has changed since it was found.
     has_changed: AtomicBool,
-    /// Its process was killed because it did not stop.
+    /// True if its process was killed because it did not stop.
     is_stopped_by_force: AtomicBool,
     /// Number of notes about control that were sent.
     notes: AtomicU64,
@@ -160,7 +160,7 @@ impl Run {
         &self.id
     }
 
-    /// The run is active, or has changed since the server started.
+    /// True if the run is active, or has changed since the server started.
     pub(crate) fn is_lively(&self) -> bool {
         self.is_live() || self.has_changed.load(Ordering::Relaxed)
     }
@@ -170,7 +170,7 @@ impl Run {
         self.has_changed.store(true, Ordering::Relaxed);
     }
 
-    /// The run is active, or about to start.
+    /// True if the run is active, or about to start.
     pub(crate) fn is_live(&self) -> bool {
         is_live(&self.now.borrow().run.phase)
     }
@@ -224,7 +224,7 @@ impl Run {
         !self.is_followed.swap(true, Ordering::AcqRel)
     }
 
-    /// The supervision is claimed. The supervisor's state is newer than the one on disk.
+    /// True if the supervision is claimed. The supervisor's state is newer than the one on disk.
     pub(super) fn is_claimed(&self) -> bool {
         self.is_followed.load(Ordering::Acquire)
     }
@@ -292,7 +292,7 @@ impl Run {
         self.is_stopped_by_force.store(true, Ordering::Release);
     }
 
-    /// The last runner was stopped by force. Resets the mark.
+    /// True if the last runner was stopped by force. Resets the mark.
     pub(super) fn take_stop_by_force(&self) -> bool {
         self.is_stopped_by_force.swap(false, Ordering::AcqRel)
     }
@@ -425,7 +425,7 @@ impl Run {
         self.holding.lock().told(self.silence)
     }
 
-    /// The run is the replica of a run on a remote robot, which decides about control.
+    /// True for the replica of a run on a remote robot, which decides about control.
     pub(crate) fn is_replica(&self) -> bool {
         self.now.borrow().run.robot.is_some()
     }
@@ -494,7 +494,7 @@ fn unheard_since(now: &RunNow) -> Option<u64> {
     is_unheard.then(|| now.run.unheard_since_ms.or(now.runner_heard_ms)).flatten()
 }
 
-/// A run in this phase is active, or about to start.
+/// True if a run in this phase is active, or about to start.
 fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }

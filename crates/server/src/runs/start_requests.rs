@@ -1,48 +1,48 @@
-//! The requests to start or resume a run, by id. The task that has a request locked carries it out; others wait.
+//! The requests to start or resume a run, by id. The task that holds the lock of a request performs it; others wait.
 //!
-//! Knows ids and states of requests, not their content. The table is bounded.
+//! Knows ids and states of requests, but not their content. The table is limited.
 
 use rafcon_locks::Mutex;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Capacity. Beyond it, the requests that were made first are forgotten, except those under way.
+/// Capacity. Beyond it, the oldest requests are forgotten, except those in progress.
 const REQUESTS_MAX: usize = 10_000;
 
-/// The state of a request; locked while it is carried out.
+/// The state of a request, locked while it is performed.
 pub(super) type Slot = Arc<tokio::sync::Mutex<Option<StartRequestState>>>;
 
-/// A request to start a run that was written down.
+/// State of a recorded request to start a run.
 #[derive(Debug)]
 pub(super) enum StartRequestState {
-    /// It has begun the run with this id.
+    /// It has started the run with this id.
     Begun(String),
-    /// Its run has this folder and has not begun, as far as is known.
+    /// Its run has this folder and is not known to have begun.
     Open(PathBuf),
 }
 
 /// Progress of a request to start a run.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum StartProgress {
-    /// It has begun nothing.
+    /// It has started no run.
     Nothing,
-    /// It is carried out at the moment.
+    /// It is in progress.
     UnderWay,
-    /// It has begun the run with this id.
+    /// It has started the run with this id.
     Begun(String),
-    /// An earlier server wrote it into this folder.
+    /// An earlier server recorded it in this folder.
     Open(PathBuf),
 }
 
-/// All requests that are remembered.
+/// All remembered requests.
 #[derive(Debug, Default)]
 pub(super) struct StartRequests(Mutex<Table>);
 
 #[derive(Debug, Default)]
 struct Table {
     slots: BTreeMap<String, (u64, Slot)>,
-    /// The ids in the order in which they came.
+    /// The ids in the order of their arrival.
     order: BTreeMap<u64, String>,
     next: u64,
 }
@@ -70,16 +70,16 @@ impl StartRequests {
         }
     }
 
-    /// Removes a request that has begun nothing, unless another task waits for it.
+    /// Removes a request that has started no run, unless another task waits for it.
     pub(super) fn forget(&self, id: &str, slot: &Slot) {
         let mut table = self.0.lock();
-        // One of them is the table's, the other the caller's.
+        // The table has one of them, and the caller the other.
         if Arc::strong_count(slot) == 2 {
             table.remove(id);
         }
     }
 
-    /// Sets the state of a request, unless a task carries it out: that one sets it by itself.
+    /// Sets the state of a request, unless a task performs it: that task sets the state itself.
     pub(super) fn note(&self, id: &str, state: StartRequestState) {
         if let Ok(mut known) = self.get(id).try_lock() {
             *known = Some(state);
@@ -102,7 +102,7 @@ impl Table {
         }
     }
 
-    /// False if all are under way: each ends within the time limits of a start.
+    /// Returns `false` if all are in progress: each ends within the time limits of a start.
     fn forget_oldest(&mut self) -> bool {
         let is_idle = |id: &&String| {
             self.slots.get(*id).is_some_and(|(_, slot)| Arc::strong_count(slot) == 1)

@@ -36,7 +36,7 @@ pub(super) fn look(folder: &Path, projects: &Projects) -> Option<FolderSummary> 
     Some(FolderSummary { summary, request: Some(asked) })
 }
 
-/// A requested run lost its runner before its first event.
+/// True if a requested run lost its runner before its first event.
 fn is_open(summary: &RunSummary, request: Option<&RunRequest>, folder: &Path) -> bool {
     let is_asked_for = request.is_some_and(|request| request.start.is_some());
     is_asked_for && summary.phase == RunPhase::Crashed && !has_begun(folder)

@@ -81,7 +81,7 @@ pub(super) async fn look_again(server: &Arc<ServerState>, run: &Run) {
     }
 }
 
-/// A process writes the run. A replica without a station has none, although its run may be active.
+/// True if a process writes the run. A replica without a station has none, although its run may be active.
 async fn look_for_writer(run: &Run) -> bool {
     let folder = run.folder().to_path_buf();
     let writer = tokio::task::spawn_blocking(move || writer_of(&folder)).await;
@@ -216,13 +216,13 @@ pub(super) async fn await_beginning(server: &Arc<ServerState>, folder: &Path) ->
     }
 }
 
-/// The run in this folder has events.
+/// True if the run in this folder has events.
 async fn begins(folder: &Path) -> bool {
     let folder = folder.to_path_buf();
     tokio::task::spawn_blocking(move || has_begun(&folder)).await.unwrap_or_default()
 }
 
-/// At the start of the server, a found run needs supervision: it is live, or its policy resumes it.
+/// True if a run that is found at the start of the server needs supervision: it is live, or its policy resumes it.
 pub(super) fn needs_somebody(looked: &FolderSummary, policy: OnCrash) -> bool {
     let FolderSummary { summary, request } = looked;
     let may_go_on = || request.as_ref().is_some_and(RunRequest::may_go_on);

@@ -31,7 +31,7 @@ pub(super) struct Cursor {
     /// The first event that was not sent.
     next: u64,
     values: bool,
-    /// The client has been informed that it has received all events up to some time.
+    /// True once the client was informed that it has caught up.
     has_caught_up: bool,
 }
 
@@ -86,7 +86,7 @@ pub(super) struct RunHistory {
     last: watch::Receiver<u64>,
     journal: HistoryReader,
     cursor: Cursor,
-    /// The journal lacked expected events, so a retry is due.
+    /// True if the journal lacked expected events, so that a retry is due.
     is_stalled: bool,
     history: History,
     /// Limit on the existing events to send. `None` for no limit, or once it was applied.
@@ -229,7 +229,7 @@ impl Feed for RunHistory {
     }
 }
 
-/// The history of a run in this phase is complete.
+/// True if the history of a run in this phase is complete.
 fn is_over(phase: &RunPhase) -> bool {
     match phase {
         RunPhase::Starting | RunPhase::Live | RunPhase::Crashed => false,

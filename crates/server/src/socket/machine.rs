@@ -19,7 +19,7 @@ pub(super) struct MachineHistory {
     subscription: u32,
     /// The first revision that was not sent.
     next: u64,
-    /// The machine was closed, so no further revisions will come.
+    /// True once the machine is closed: no further revisions will come.
     is_over: bool,
 }
 

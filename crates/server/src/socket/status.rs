@@ -68,7 +68,7 @@ impl Feed for ServerStatusFeed {
 pub(super) struct Status<T, F> {
     watch: watch::Receiver<T>,
     tell: F,
-    /// The sender was dropped, so no further values will come.
+    /// True once the sender is dropped: no further values will come.
     is_over: bool,
     subscription: u32,
 }

@@ -40,7 +40,7 @@ impl Folders {
         Self { watcher, watched: BTreeSet::new(), most: MOST, is_full: false }
     }
 
-    /// The folder is watched.
+    /// True if the folder is watched.
     pub(super) fn knows(&self, folder: &Path) -> bool {
         self.watched.contains(folder)
     }

@@ -17,18 +17,18 @@ pub(super) struct Changes {
     pub(super) touched: BTreeSet<PathBuf>,
     /// Those that were deleted, at least for a moment.
     pub(super) gone: BTreeSet<PathBuf>,
-    /// Events were lost, so any file may have changed.
+    /// True if events were lost, so that any file may have changed.
     pub(super) is_lost: bool,
 }
 
 impl Changes {
-    /// The content of this folder may have changed.
+    /// True if the content of this folder may have changed.
     pub(super) fn concern(&self, folder: &Path) -> bool {
         let on_the_way = |path: &PathBuf| path.starts_with(folder) || folder.starts_with(path);
         self.is_lost || self.touched.iter().any(on_the_way)
     }
 
-    /// No change is recorded.
+    /// True if no change is recorded.
     pub(super) fn is_empty(&self) -> bool {
         !self.is_lost && self.touched.is_empty()
     }
@@ -79,7 +79,7 @@ fn change_of(kind: EventKind) -> Option<Change> {
     }
 }
 
-/// The file or folder is neither hidden nor made by another program for itself.
+/// True if the file or folder is neither hidden nor made by another program for itself.
 fn is_somebodys(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     !crate::projects::is_foreign(&name)

@@ -18,14 +18,14 @@ use std::path::Path;
 pub(in crate::documents) struct Saving {
     /// Another folder, which becomes the machine's own.
     pub(in crate::documents) to: Option<FileLocation>,
-    /// Overwrite changes of other programs.
+    /// True to overwrite changes of other programs.
     pub(in crate::documents) overwrite: bool,
 }
 
 /// State of the target folder before a save.
 struct BeforeSave {
     saved: Option<Saved>,
-    /// The files are the last ones that were loaded or written, and have no faults: a save would write exactly them.
+    /// True if the files are the last ones that were loaded or written, without faults: a save without edits would write them again.
     is_known: bool,
 }
 
@@ -76,7 +76,7 @@ impl MachineSession {
         }
     }
 
-    /// The machine has a library that was not loaded with the files.
+    /// True if the machine has a library that was not loaded with the files.
     fn brings_libraries(&self, machine: &Machine) -> bool {
         !libraries_of(machine).is_subset(&libraries_of(&self.open.read().files.machine))
     }

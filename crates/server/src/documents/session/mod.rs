@@ -240,7 +240,7 @@ impl MachineSession {
         Ok(())
     }
 
-    /// Closes it if it is saved, idle and without followers. Its draft keeps the acknowledged requests.
+    /// Closes it if it is saved, idle and without followers. Returns `true` if it did. Its draft keeps the acknowledged requests.
     pub(super) fn retire(&self) -> bool {
         let (Some(_files), Some(_draft)) = (self.files.try_lock(), self.draft.try_lock()) else {
             return false;

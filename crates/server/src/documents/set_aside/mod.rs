@@ -1,5 +1,5 @@
-//! Drafts whose edits can no longer be applied: kept beside the others, listed with their edits in words, exported as a whole,
-//! and removed only on request. Knows drafts, but not why an edit does not fit.
+//! Drafts whose edits can no longer be applied: stored beside the others, listed with descriptions of their edits, exported as a whole,
+//! and removed only on request. Knows drafts, but not the reason that an edit does not fit.
 
 mod routes;
 mod words;
@@ -18,7 +18,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 const ABOUT: &str = "set_aside.json";
-/// Edits that are listed.
+/// Maximum number of listed edits.
 const EDITS_MAX: usize = 1000;
 
 /// Reason and time of setting a draft aside.
@@ -28,7 +28,7 @@ struct About {
     reason: String,
 }
 
-/// Sets the draft in `place` aside, under a number that it has for itself.
+/// Sets the draft in `place` aside, under a unique number.
 pub(super) fn set_aside(place: &Path, number: u64, reason: &Failure) -> Result<(), PrivateError> {
     let about = About { at_ms: since_1970_ms(), reason: reason.to_string() };
     let failed = |source| PrivateError::new("set aside", place, source);
@@ -45,7 +45,7 @@ fn folder_of(place: &Path, id: &str) -> PathBuf {
     place.with_extension(format!("unfit-{id}"))
 }
 
-/// The ids of the drafts of `place` that were set aside, the oldest first.
+/// The ids of the drafts of `place` that were set aside, oldest first.
 fn ids(place: &Path) -> Vec<String> {
     let name = place.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let begin = format!("{name}.unfit-");
@@ -74,7 +74,7 @@ fn about(folder: &Path) -> About {
     })
 }
 
-/// A draft with the edits that were not saved.
+/// A draft with its unsaved edits.
 fn listed(place: &Path, id: String) -> SetAsideDraft {
     let folder = folder_of(place, &id);
     let About { at_ms, mut reason } = about(&folder);
@@ -99,7 +99,7 @@ fn edits(found: &FoundDraft) -> Vec<SetAsideEdit> {
     done.skip(saved).map(words::of_operation).collect()
 }
 
-/// Everything that a draft holds, as one JSON object: its lines, and the documents that they name.
+/// A complete draft as one JSON object: its lines, and the documents that they refer to.
 fn exported(folder: &Path) -> Result<Vec<u8>, PrivateError> {
     let about = about(folder);
     let reason = serde_json::to_string(&about.reason).unwrap_or_default();

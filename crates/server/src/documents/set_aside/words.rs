@@ -4,12 +4,12 @@ use crate::documents::operation::{Operation, RecordedOperation};
 use rafcon_protocol::api::SetAsideEdit;
 use serde_json::{Map, Value};
 
-/// The longest description of a value, in characters.
+/// Maximum length of a value's description, in characters.
 const VALUE_MAX: usize = 200;
-/// Edits of a batch that are described.
+/// Maximum number of described edits in a batch.
 const BATCH_MAX: usize = 10;
 
-/// An operation as it is listed.
+/// Description of an operation for the list.
 pub(super) fn of_operation(record: &RecordedOperation) -> SetAsideEdit {
     let (name, what) = match &record.operation {
         Operation::Edit { name, edit } => (

@@ -59,7 +59,7 @@ impl GitFolder<'_> {
         ask(self.git(arguments), input, ChildLimits { patience: GIT_TIMEOUT, output }).await
     }
 
-    /// The repository exists and lies completely inside the project. A file `.git`, a link or `commondir` may lead to another
+    /// True if the repository exists and is completely inside the project. A file `.git`, a link or `commondir` may lead to another
     /// one.
     async fn find_repository(&self) -> Result<bool, ChildError> {
         let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];

@@ -53,7 +53,7 @@ fn version(server: &ServerState, id: &str, commit: &str) -> Result<Vec<u8>, Fail
     document(place.path(), commit, &server.projects.libraries())
 }
 
-/// Machines are loaded from files of this name.
+/// True if machines are loaded from files of this name.
 fn is_of_machine(path: &str) -> bool {
     let name = path.rsplit('/').next().unwrap_or(path);
     name == HEADER
