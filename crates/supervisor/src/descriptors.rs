@@ -7,10 +7,10 @@ use std::io;
 use std::process::Child;
 use std::sync::OnceLock;
 
-/// Folder in which Linux lists the open files of a process.
+/// Folder in which Linux lists the open files of this process.
 const OPEN_FOLDER: &str = "/proc/self/fd";
 
-/// Limits from before they were raised.
+/// The limits before they were raised.
 static BEFORE: OnceLock<(Option<u64>, Option<u64>)> = OnceLock::new();
 
 /// Raises the soft limit of this process to its hard limit.
@@ -24,7 +24,7 @@ pub fn raise() -> io::Result<()> {
     Ok(())
 }
 
-/// Gives a child the soft limit that this process was started with.
+/// Resets the soft limit of a child to the one with which this process was started.
 pub(crate) fn restore(child: &Child) -> io::Result<()> {
     let Some(&(current, maximum)) = BEFORE.get() else { return Ok(()) };
     prlimit(Some(Pid::from_child(child)), Resource::Nofile, Rlimit { current, maximum })?;

@@ -150,7 +150,7 @@ fn open(output: &Path) -> io::Result<File> {
     OpenOptions::new().append(true).create(true).mode(0o600).open(output)
 }
 
-/// A detached runner with this output file lives, or a process that it started does. It need not have written anything, and its
+/// True if a detached runner with this output file lives, or a process that it started. It need not have written anything, and its
 /// starter may have exited.
 pub fn is_alive(output: &Path) -> bool {
     let Ok(file) = File::open(output) else { return false };
@@ -158,7 +158,7 @@ pub fn is_alive(output: &Path) -> bool {
 }
 
 impl Process {
-    /// The process group of this runner.
+    /// The process group of this runner, which [`Group::kill`] ends.
     pub fn group(&self) -> Group {
         Group(Pid::from_child(&self.child))
     }
@@ -176,12 +176,12 @@ impl Group {
 pub struct Exit(pub ExitStatus);
 
 impl Exit {
-    /// The runner ended itself because a script did not end in its grace period.
+    /// True if the runner ended itself because a script did not end in its grace period.
     pub fn is_cut_off(self) -> bool {
         self.0.code() == Some(CUT_OFF)
     }
 
-    /// The runner ended itself to stop the run.
+    /// True if the runner ended itself to stop the run.
     pub fn is_stopped(self) -> bool {
         self.0.code() == Some(UNREACHED)
     }

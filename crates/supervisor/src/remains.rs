@@ -49,7 +49,7 @@ pub fn last_logged(folder: &Path, active: &[String]) -> BTreeMap<String, String>
 pub struct KeptRun {
     /// Policy for scripts that a crash interrupted.
     pub policy: OnCrash,
-    /// The run has events.
+    /// True if the run has events.
     pub has_begun: bool,
 }
 

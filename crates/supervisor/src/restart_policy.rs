@@ -20,9 +20,9 @@ pub struct RunnerDeath {
     pub active: Vec<String>,
     /// Last lines of its error output.
     pub said: Vec<String>,
-    /// The runner ended itself because a script did not end in its grace period.
+    /// True if the runner ended itself because a script did not end in its grace period.
     pub is_cut_off: bool,
-    /// The end was intended: a user killed the runner, or it did not react to a stop.
+    /// True if the end was intended: a user killed the runner, or it did not react to a stop.
     pub is_wanted: bool,
 }
 

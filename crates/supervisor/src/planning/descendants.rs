@@ -1,4 +1,4 @@
-//! Finds the processes that an engine has started, also those that left its process group and whose parents have ended: they
+//! Finds the processes that an engine has started, also those that left its process group and whose parents have exited. They
 //! inherit an environment variable whose value no other engine has.
 
 use rustix::process::{Pid, Signal, kill_process};
@@ -8,7 +8,7 @@ use std::fs;
 use std::io;
 use std::process::Command;
 
-/// The variable that an engine and all that it starts have in their environment.
+/// Name of the environment variable of an engine and its descendants.
 const VARIABLE: &str = "RAFCON_ENGINE";
 /// Rounds of a search, because processes can start others while they are killed.
 const ROUNDS_MAX: usize = 20;
@@ -21,10 +21,10 @@ pub(super) struct Descendants {
 }
 
 impl Descendants {
-    /// Marks all that `command` will start.
+    /// Marks all processes that `command` will start.
     ///
     /// # Errors
-    /// The system gives no random number.
+    /// Fails if the system provides no random number.
     pub(super) fn of(command: &mut Command) -> io::Result<Self> {
         let mut random = [0; 8];
         getrandom(&mut random, GetRandomFlags::empty())?;
@@ -33,13 +33,13 @@ impl Descendants {
         Ok(Self { entry: format!("{VARIABLE}={value}") })
     }
 
-    /// Kills all that are alive. A program that has cleared its environment is not found.
+    /// Kills all living descendants. Misses a program that has cleared its environment.
     pub(super) fn kill(&self) {
         let mut killed = BTreeSet::new();
         for _ in 0..ROUNDS_MAX {
             let mut has_new = false;
             for pid in self.alive() {
-                // It may have ended by itself.
+                // It may have exited by itself.
                 kill_process(pid, Signal::KILL).unwrap_or_default();
                 has_new |= killed.insert(pid.as_raw_nonzero());
             }

@@ -54,7 +54,7 @@ pub(super) struct PlanRequest<'w> {
     pub(super) problem: &'w Path,
     pub(super) limit: Duration,
     pub(super) anytime: bool,
-    /// The problem has neither numbers nor durations.
+    /// True if the problem has neither numbers nor durations.
     pub(super) classical: bool,
 }
 
@@ -117,7 +117,7 @@ impl Engine {
             arguments.extend(wish.anytime.then_some("--anytime"));
             return vec![lane(&arguments, Duration::ZERO)];
         }
-        // One thread, so that a problem always gives one and only one plan.
+        // One thread makes the plan of a problem reproducible.
         let anytime = if wish.anytime { "--anytime" } else { "--no-anytime" };
         let usual = ["--format", "json", "--threads", "1", "--timeout", &seconds, anytime];
         if wish.classical {
@@ -135,12 +135,12 @@ impl Engine {
         is_so.then(|| self.missing(&std::io::ErrorKind::NotFound.into()))
     }
 
-    /// The exit status means that no plan exists.
+    /// True if the exit status means that no plan exists.
     pub(super) fn proves_impossible(code: Option<i32>) -> bool {
         code == Some(10)
     }
 
-    /// The exit status means that no plan was found.
+    /// True if the exit status means that no plan was found.
     pub(super) fn found_none(code: Option<i32>) -> bool {
         matches!(code, Some(0 | 11 | 12 | 14))
     }

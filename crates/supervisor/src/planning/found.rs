@@ -1,4 +1,4 @@
-//! Plans and what is wrong, as clients see them.
+//! Plans and findings in the format for clients.
 
 use rafcon_model::edit;
 use rafcon_planner::pddl::{Signature, Typed};

@@ -1,8 +1,8 @@
-//! Plans from engines: a pool of skills is read from libraries, an engine is started as a process with a time limit, each of its
-//! plans is validated, explained and made a machine before anyone sees it (`docs/guide/planning.md`).
+//! Plans from engines. Loads a pool of skills from libraries, and starts an engine as a process with a time limit. Each of its
+//! plans is validated, explained and turned into a machine before it is reported (`docs/guide/planning.md`).
 //!
-//! Knows engines as programs and requests as clients see them. Knows nothing of HTTP, terminals or Python objects; what a plan is
-//! knows `rafcon-planner`.
+//! Knows engines as programs, and requests in the format for clients. Does not know HTTP, terminals or Python objects.
+//! `rafcon-planner` defines plans.
 
 mod answer;
 mod descendants;

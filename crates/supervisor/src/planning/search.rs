@@ -43,7 +43,7 @@ impl Cancel {
         }
     }
 
-    /// Returns true after [`Self::cancel`].
+    /// True after a call of [`Self::cancel`].
     pub fn is_cancelled(&self) -> bool {
         self.0.lock().is_cancelled
     }
@@ -78,7 +78,7 @@ pub(super) enum Verdict {
 pub(super) enum SearchEnd {
     /// A plan was accepted, or the engine ended after one.
     Enough,
-    /// No plan exists.
+    /// The goal cannot be reached.
     Impossible(String),
     /// No plan was found in time.
     NotFound(String),
@@ -129,13 +129,13 @@ impl Running {
         }
     }
 
-    /// It exited with status 0 and printed nothing.
+    /// True if it exited with status 0 and printed nothing.
     fn is_mute(&self) -> bool {
         let said = self.said.as_deref().unwrap_or_default();
         self.code == Some(0) && said.trim().is_empty() && self.printed.trim().is_empty()
     }
 
-    /// No further output can follow.
+    /// True if no output can follow.
     fn is_over(&self) -> bool {
         self.has_ended && (self.said.is_some() || self.wrong.is_some())
     }
