@@ -11,7 +11,7 @@ use std::net::IpAddr;
 pub(crate) struct Names {
     /// The port it listens on.
     pub(crate) port: u16,
-    /// True with TLS.
+    /// True if the server uses TLS.
     pub(crate) is_secure: bool,
     /// True if only programs on this computer can reach the server.
     pub(crate) is_loopback: bool,

@@ -1,4 +1,4 @@
-//! The description is complete: every route is there, says who may call it, and its examples are valid.
+//! The description is complete: it contains every route with its rights, and all examples are valid.
 
 use super::*;
 use crate::access::ROUTES;
@@ -48,7 +48,7 @@ fn the_limits_of_texts_are_described() {
         let member = &api["components"]["schemas"][schema]["properties"][member];
         ["minLength", "maxLength", "pattern"].map(|limit| member[limit].clone())
     };
-    // An answer has the user's name before the id.
+    // In a reply, the user's name precedes the id.
     assert_eq!(limits("Envelope", "id"), [json!(1), json!(193), Value::Null]);
     for schema in ["StartRun", "ResumeRun", "EditMachine", "Undo", "ReloadMachine"] {
         assert_eq!(limits(schema, "id"), [json!(1), json!(128), Value::Null], "{schema}");

@@ -1,4 +1,4 @@
-//! Several people edit one machine: no one's work is lost, and each takes back what is his own.
+//! Several users edit one machine: no edit is lost, and each user undoes only their own edits.
 
 use super::machine::OpenMachine;
 use super::operation::{EditRequest, Operation, ReadOperation};
@@ -40,7 +40,7 @@ fn machine(text: &str) -> Machine {
     notation::parse(text).expect("a machine in the notation")
 }
 
-/// Performs it; gives the name of the step and the new revision, or the refusal.
+/// Performs an operation. Returns the name of the step and the new revision, or the refusal.
 fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     let request = EditRequest { author: author.to_owned(), id: open.revision().to_string() };
     match open.prepare(request, 0, deed) {
@@ -52,7 +52,7 @@ fn done(open: &mut OpenMachine, author: &str, deed: ReadOperation) -> String {
     }
 }
 
-/// One operation a line: the author, then `<` (back), `>` (again), `@` or `@!` and a revision (jump, also over others), or an
+/// One operation per line: the author, then `<` (undo), `>` (redo), `@` or `@!` and a revision (jump, `!` also over others), or an
 /// edit as JSON.
 fn deed(text: &str) -> ReadOperation {
     let jump = |revision: &str, over_others| {
@@ -91,7 +91,7 @@ fn check(lines: &[&str], expect: &Expect) {
     expect.assert_eq(&(out + &notation::print(open.machine())));
 }
 
-/// The refusals, the steps that are known, and the name of a state in the end.
+/// Compares the refusals, the steps in the log, and the final name of a state.
 fn check_steps(lines: &[&str], expect: &Expect) {
     let (open, out) = play(lines);
     let refused = out.lines().filter(|line| line.matches(": ").count() > 1);
@@ -349,7 +349,7 @@ fn the_same_request_is_answered_by_what_it_did() {
     assert_eq!(open.answered(&EditRequest { author: "bob".into(), ..request }), None);
 }
 
-/// Makes random edits and steps back of two users; both follow by the changes they receive.
+/// Makes random edits, undos and redos of two users. Both follow the received changes.
 fn two_people(numbers: Vec<u16>) {
     let mut open = OpenMachine::new(machine(START), 0);
     let mut mirror = Mirror::new(Document::of(open.machine()));
@@ -381,7 +381,7 @@ fn two_people(numbers: Vec<u16>) {
     }
     assert_eq!(mirror.document(), Document::of(open.machine()));
     let faults = problems(open.machine(), &BuiltinTypes);
-    // A machine may lose its start and its states while it is drawn.
+    // A machine may lack a start or states during editing.
     assert!(faults.iter().all(|fault| !fault.rule.refuses_edits()));
 }
 

@@ -84,7 +84,7 @@ fn line(found: Found) -> Option<LogLine> {
     Some(LogLine { sequence, t_ns, path, names, level, stream, message })
 }
 
-/// True if the line contains `wanted`, a text in lower case.
+/// True if the line contains the text, which is in lower case.
 fn has(line: &LogLine, wanted: Option<&str>) -> bool {
     wanted.is_none_or(|wanted| line.message.to_lowercase().contains(wanted))
 }

@@ -35,7 +35,7 @@ pub(super) enum StartProgress {
     Open(PathBuf),
 }
 
-/// All remembered requests.
+/// The table of remembered requests.
 #[derive(Debug, Default)]
 pub(super) struct StartRequests(Mutex<Table>);
 

@@ -1,4 +1,4 @@
-//! Real files, real watches: what other programs do to them is noticed.
+//! Detects changes of other programs, with real files and real watches.
 
 use super::*;
 use crate::Settings;
@@ -8,10 +8,10 @@ use std::path::Path;
 use tokio::sync::watch::Receiver;
 use tokio::time::timeout;
 
-/// Far more than a change takes to be noticed.
+/// Far longer than the detection of a change takes.
 const TEST_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// A server with a project and a library root below a folder of its own.
+/// A server with a project and a library root in a temporary folder.
 struct Place {
     folder: tempfile::TempDir,
     server: Arc<ServerState>,
@@ -19,7 +19,7 @@ struct Place {
 }
 
 impl Place {
-    /// Everything is followed when this returns.
+    /// When this returns, all folders are watched.
     async fn new(folders: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         for name in ["project/state", "libraries"].iter().chain(folders) {
@@ -43,7 +43,7 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// Until something about files is told.
+    /// Waits for a change of files.
     async fn news(&mut self) {
         timeout(TEST_TIMEOUT, self.files.changed()).await.expect("news").unwrap();
     }
@@ -77,7 +77,7 @@ async fn a_changed_library_is_read_again() {
     assert!(!Arc::ptr_eq(&before, &place.server.projects.libraries()));
 }
 
-/// A machine that was made by the server, and its id while it is open.
+/// A machine that the server has made, and its id while it is open.
 fn made(place: &Place) -> String {
     let file = MachineFile { project: "project".to_owned(), path: "one".to_owned() };
     let new = NewMachine { file, name: "Mission".to_owned() };

@@ -1,4 +1,4 @@
-//! Who is let in, for how long, and how it ends.
+//! Authentication: who is admitted, for how long, and how that ends.
 
 use crate::harness::{Answer, PASSWORD, TestServer, name};
 use crate::raw::{ask, status};
@@ -9,7 +9,7 @@ use rafcon_server::{ServeError, Server, Settings};
 use serde_json::{Value, json};
 use std::net::Ipv4Addr;
 
-/// What a token is answered when it asks who it is.
+/// The user and role of a token, or the refusal.
 fn who(server: &TestServer, token: &str) -> String {
     let answer = server.ask(Some(token), "GET", "/api/v1/session", None);
     if answer.status == 200 {
@@ -23,7 +23,7 @@ fn who(server: &TestServer, token: &str) -> String {
     answer.said()
 }
 
-/// Logs in, and gives the cookie.
+/// Logs in and returns the cookie.
 fn log_in(server: &TestServer, user: &str, password: &str) -> Result<String, String> {
     let login = json!({"user": user, "password": password});
     let answer = server.call(None, "POST", "/api/v1/session", Some(&login));
@@ -31,7 +31,7 @@ fn log_in(server: &TestServer, user: &str, password: &str) -> Result<String, Str
     cookie.map(str::to_owned).ok_or_else(|| answer.said())
 }
 
-/// Asks as a page of the server does, with a cookie.
+/// Sends a request with a cookie, like a page of the server.
 fn by_cookie(server: &TestServer, cookie: &str, method: &str, path: &str, body: &Value) -> Answer {
     server.send(method, path, &[("Cookie", cookie), ("Origin", server.url())], Some(body))
 }
@@ -199,7 +199,7 @@ fn who_came_and_who_was_refused_is_on_record_and_no_secret_is() {
     assert!(!kept.contains(PASSWORD) && !kept.contains(&viewer), "{kept}");
 }
 
-/// Why there is no server.
+/// The error at the start of a server.
 fn refused(settings: Settings) -> ServeError {
     let runtime = tokio::runtime::Runtime::new().unwrap();
     runtime.block_on(Server::bind(settings)).unwrap_err()

@@ -1,4 +1,4 @@
-//! What strangers try: other names, other pages, bodies without end, heads that never come, paths that lead out, guessing.
+//! Attacks: foreign names, foreign pages, endless bodies, missing heads, paths out of the project, guessed passwords.
 
 use crate::harness::{PASSWORD, TestServer, name};
 use crate::machines::{MACHINE, write};
@@ -9,7 +9,7 @@ use rafcon_server::settings::HashCost;
 use serde_json::json;
 use std::time::Duration;
 
-/// How a stranger's page makes a browser ask.
+/// The status of a request that a page of another site causes in a browser.
 fn asked_by(server: &TestServer, line: &str, host: &str, origin: Option<&str>) -> u16 {
     let bearer = format!("Bearer {}", server.token(Role::Admin));
     let mut head = vec![("Host", host), ("Authorization", &bearer)];
@@ -81,7 +81,7 @@ fn a_body_of_a_hundred_megabytes_is_refused() {
         let mega = vec![b' '; 1 << 20];
         let taken = (0..100).take_while(|_| raw.say(&mega)).count();
         let answer = raw.rest();
-        // A server that has answered and hung up may reset the connection before the answer is read.
+        // A server that has responded and closed the connection may reset it before the response is read.
         assert!([0, 413].contains(&status(&answer)), "{answer}");
         assert!(taken < 100, "all of it was taken");
     }
@@ -120,7 +120,7 @@ fn head(server: &TestServer, path: &str, role: Option<Role>, length: &str) -> St
     )
 }
 
-/// A server that waits for no one.
+/// A server with short timeouts.
 fn impatient() -> TestServer {
     TestServer::with(|settings| {
         settings.listen.head_patience = Duration::from_secs(1);
@@ -302,7 +302,7 @@ fn ten_thousand_wrong_logins_open_nothing_and_lock_nobody_out() {
     let (tried, refused) = (counts[&401], counts[&429]);
     assert_eq!(tried + refused, 10_000, "{counts:?}");
     assert!((5..100).contains(&tried), "{counts:?}");
-    // Whoever was let in from an address before is let in there meanwhile, and who has a token is not asked.
+    // Meanwhile, a user at a familiar address can log in, and a token needs no login.
     assert_eq!(login_from([127, 0, 0, 2], &server, &right), 200);
     assert_eq!(server.call(Some(Role::Engineer), "GET", "/api/v1/session", None).status, 200);
 }

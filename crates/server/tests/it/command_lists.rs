@@ -1,4 +1,4 @@
-//! The command list of a robot: who reads, sets and releases it, and what is refused.
+//! The command list of a robot: access, replacement, release and refusals.
 
 use crate::contacts::station;
 use crate::harness::{Answer, TestServer};
@@ -43,7 +43,7 @@ fn operators_set_and_release_a_list_and_viewers_read_it() {
             "409 command_list_changed: robot scout: the list was changed since it was reviewed: nothing was sent; review it again"
         ],
     );
-    // Somebody else has set it meanwhile.
+    // Another user has replaced it meanwhile.
     let path = "/api/v1/robots/scout/commands?revision=1";
     check(
         &server.call(Some(Role::Operator), "PUT", path, Some(&json!([]))),
@@ -55,7 +55,7 @@ fn operators_set_and_release_a_list_and_viewers_read_it() {
     let list = call(&server, Role::Viewer, "GET", None).json();
     assert_eq!(list["lines"][1]["listed"], pause("b"));
     assert_eq!(list["released"], released.json()["released"]);
-    // Nobody has an answer to these commands: their fate is unknown, and said to be.
+    // No reply to these commands exists, so their fate is unknown.
     assert_eq!(list["lines"][0]["fate"]["answer"]["answer"], "unknown");
 }
 
@@ -71,7 +71,7 @@ fn a_command_that_the_user_may_not_give_is_a_fault() {
             "409 command_list_faulty: robot scout: operator is operator here, and this needs the right to edit: ask an admin for another role"
         ],
     );
-    // Viewers see no faults of their own rights.
+    // Viewers get no faults of their own rights.
     let shown = call(&server, Role::Viewer, "GET", None).json();
     assert!(shown["lines"][1]["fault"].is_null());
     assert_eq!(release(&server, Role::Engineer, "2").status, 200);

@@ -1,4 +1,4 @@
-//! The planned contacts with a robot: who reads and sets them, and what is refused.
+//! The planned contacts with a robot: access, replacement and refusals.
 
 use crate::harness::{Answer, TestServer};
 use expect_test::{Expect, expect};
@@ -8,18 +8,18 @@ use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 
-/// A station that receives the robot `scout`, and nothing of it.
+/// A station that receives only the robot `scout`, without data.
 #[derive(Debug, Default)]
 struct OneRobot {
     plan: Mutex<ContactPlan>,
     commands: Mutex<Vec<ListedCommand>>,
-    /// User who has released the list.
+    /// The user who has released the list.
     released: Mutex<Option<String>>,
     is_disk_full: bool,
 }
 
 impl OneRobot {
-    /// The list, whose revision is the number of its commands.
+    /// The list. Its revision is the number of its commands.
     fn list(&self) -> CommandList {
         let commands = self.commands.lock().unwrap();
         let line = |listed: &ListedCommand| ListLine {

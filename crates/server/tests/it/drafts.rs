@@ -1,5 +1,5 @@
-//! What a server finds that takes over from one that died: edits whatever became of the files, its own half-made saves, edits
-//! that cancel out, and edits that no longer fit.
+//! Recovery by a server after a crash of the previous one: edits despite changed files, interrupted saves, edits that cancel out,
+//! and edits that no longer fit.
 
 use crate::harness::TestServer;
 use crate::machines::{MACHINE, get, post, write};
@@ -11,14 +11,14 @@ use std::path::PathBuf;
 
 const THEIRS: (&str, &str) = ("execution BBBBBB", "execution BBBBBB \"Theirs\"");
 
-/// A server with the machine `one` open, and what it is asked.
+/// A server with the open machine `one`, and the number of requests.
 struct Site {
     server: TestServer,
     id: String,
     asked: usize,
 }
 
-/// Opens the machine `one` as someone who may edit it.
+/// Opens the machine `one` as a user who may edit it.
 fn open(server: &TestServer) -> String {
     let file = json!({ "file": { "project": "project", "path": "one" } });
     let opened = post(server, Role::Engineer, "/open", &file);
@@ -54,7 +54,7 @@ impl Site {
         self.server.state().join("drafts").join(&self.id)
     }
 
-    /// Another server takes over, and the machine is opened; the lines of the draft are changed before.
+    /// Changes the lines of the draft, starts another server, and opens the machine.
     fn take_over(self, change: impl Fn(&str) -> Option<String>) -> Self {
         let (lines, asked) = (self.draft().join("operations.jsonl"), self.asked);
         let place = self.server.end();
@@ -67,7 +67,7 @@ impl Site {
         Self { server, id, asked }
     }
 
-    /// Names of states, and how the machine stands.
+    /// Compares the names of two states and the status of the machine.
     fn check(&self, expect: &Expect) {
         let summary = get(&self.server, &format!("/{}", self.id))["summary"].clone();
         let document = get(&self.server, &format!("/{}/document", self.id));
@@ -88,7 +88,7 @@ fn all(line: &str) -> Option<String> {
     Some(line.to_owned())
 }
 
-/// As if the server had died before it noted what it had saved or read.
+/// As if the server had crashed before it recorded a save or a load.
 fn unnoted(line: &str) -> Option<String> {
     (!line.contains(r#""line":"saved""#)).then(|| line.to_owned())
 }
@@ -167,7 +167,7 @@ fn edits_after_recovered_ones_were_taken_back_are_not_recovered() {
     site.check(&expect![[r#"New BBBBBB "same" changed"#]]);
 }
 
-/// The first edit names a state that does not exist.
+/// Changes the first edit, so that it names a state that does not exist.
 #[expect(clippy::unnecessary_wraps, reason = "one of several changes of a line")]
 fn unfit(line: &str) -> Option<String> {
     Some(line.replace("ROOT/AAAAAA", "ROOT/GONEXX"))

@@ -1,5 +1,5 @@
-//! A real server in the test's process, on a port of its own, with folders that go away with it. The only place that knows how
-//! one is begun and ended.
+//! A real server in the test's process, on its own port, with temporary folders. Only this module knows its start and
+//! shutdown.
 
 use rafcon_protocol::api::{NewToken, Role};
 use rafcon_server::access::Users;
@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use tempfile::TempDir;
 use tokio::sync::oneshot;
 
-/// What hashing a password costs in tests: next to nothing.
+/// Cost of hashing a password in tests: almost none.
 const CHEAP: HashCost = HashCost { memory_kib: 8, passes: 1 };
 
 /// A server, until dropped. Its users are called `viewer`, `operator`, `engineer` and `admin`.
@@ -27,7 +27,7 @@ pub(crate) struct TestServer {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What a server answered.
+/// Response of a server.
 #[derive(Debug)]
 pub(crate) struct Answer {
     pub(crate) status: u16,
@@ -41,12 +41,12 @@ impl TestServer {
         Self::with(|_settings| {})
     }
 
-    /// A server that is set up otherwise.
+    /// A server with changed settings.
     pub(crate) fn with(change: impl FnOnce(&mut Settings)) -> Self {
         Self::at(tempfile::tempdir().unwrap(), change)
     }
 
-    /// A server in a place where one has been before.
+    /// A server in the folders of an earlier one.
     pub(crate) fn at(place: TempDir, change: impl FnOnce(&mut Settings)) -> Self {
         let settings = settings(place.path(), change);
         let users = Users::open(&settings.state, CHEAP).unwrap();
@@ -88,7 +88,7 @@ impl TestServer {
         self.address
     }
 
-    /// Scheme, name and port.
+    /// Scheme, name and port of the server.
     pub(crate) fn url(&self) -> &str {
         &self.url
     }
@@ -108,7 +108,7 @@ impl TestServer {
         &self.ros
     }
 
-    /// Asks as someone with this role, or as no one.
+    /// Sends a request as the user with this role, or without a user.
     pub(crate) fn call(
         &self,
         role: Option<Role>,
@@ -120,7 +120,7 @@ impl TestServer {
         self.ask(token, method, path, body)
     }
 
-    /// Asks with this token.
+    /// Sends a request with this token.
     pub(crate) fn ask(
         &self,
         token: Option<&str>,
@@ -133,7 +133,7 @@ impl TestServer {
         self.send(method, path, head.as_slice(), body)
     }
 
-    /// Asks with these lines in the head.
+    /// Sends a request with these header lines.
     pub(crate) fn send(
         &self,
         method: &str,
@@ -153,7 +153,7 @@ impl TestServer {
         Answer::of(agent().run(request.body(text).unwrap()).unwrap())
     }
 
-    /// Ends the server; its folders stay.
+    /// Stops the server and returns its folders.
     pub(crate) fn end(mut self) -> TempDir {
         self.stop();
         std::mem::replace(&mut self.place, tempfile::tempdir().unwrap())
@@ -195,7 +195,7 @@ impl Answer {
         self.headers.iter().find(|header| header.0 == name).map(|header| header.1.as_str())
     }
 
-    /// Status and, if it is a refusal, its code.
+    /// The status, and the code of a refusal.
     pub(crate) fn said(&self) -> String {
         let refusal = serde_json::from_str::<Value>(&self.text).ok();
         let code = refusal.as_ref().and_then(|refusal| refusal["code"].as_str()).unwrap_or("");
@@ -216,7 +216,7 @@ pub(crate) fn name(role: Role) -> &'static str {
 /// The password of every user.
 pub(crate) const PASSWORD: &str = "correct horse";
 
-/// A token of the user with this role, who is added if need be.
+/// A token of the user with this role. Adds the user if needed.
 fn token(users: &Users, role: Role) -> String {
     let name = name(role);
     if !users.roster().users().iter().any(|user| user.name == name) {
@@ -239,14 +239,14 @@ fn settings(place: &Path, change: impl FnOnce(&mut Settings)) -> Settings {
     settings
 }
 
-/// A configuration without libraries, so that none of the user's counts.
+/// A configuration without libraries, so that the user's own one is ignored.
 fn config(place: &Path) -> PathBuf {
     let file = place.join("config.yaml");
     std::fs::write(&file, "TYPE: SM_CONFIG\nLIBRARY_PATHS: {}\n").unwrap();
     file
 }
 
-/// A client that takes every answer as it is.
+/// A client that returns every response unchanged.
 fn agent() -> ureq::Agent {
     let config = ureq::Agent::config_builder().http_status_as_error(false).max_redirects(0);
     config.build().into()

@@ -1,4 +1,4 @@
-//! What runs leave, page by page and moment by moment, compared with what their journals say.
+//! History of runs in pages and moments, compared with the journals.
 
 use crate::harness::TestServer;
 use crate::past::{END, RUN, append, get, said, server, write};
@@ -10,7 +10,7 @@ use rafcon_storage::journal::{Filter, Found, Reader, Search};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
-/// One line for each of the entries of a list.
+/// Prints one line per entry of a list.
 fn check(server: &TestServer, path: &str, list: &str, expect: &Expect) {
     let answer = get(server, path);
     let lines = answer[list].as_array().unwrap().iter().map(|entry| format!("{entry}\n"));
@@ -252,7 +252,7 @@ impl Asked {
         if self.kinds.is_empty() { query } else { query + "&kinds=" + &self.kinds.join(",") }
     }
 
-    /// All that the journal has of it.
+    /// All matching events of the journal.
     fn whole(&self, reader: &mut Reader) -> Vec<Value> {
         let nanos = |ms: u64| ms * 1_000_000;
         let filter = Filter {
@@ -275,7 +275,7 @@ impl Asked {
         whole
     }
 
-    /// The same over the wire.
+    /// The matching events over HTTP, in pages.
     fn paged(&self, server: &TestServer) -> Vec<Value> {
         let (mut from, mut events) = (self.from, Vec::new());
         for count in self.counts.iter().cycle() {

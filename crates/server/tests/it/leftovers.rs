@@ -1,4 +1,4 @@
-//! What is made of whole runs: machines, figures, comparisons, exports; and how runs go.
+//! Data derived from whole runs: machines, figures, comparisons and exports; and the deletion of runs.
 
 use crate::harness::TestServer;
 use crate::past::{END, RUN, get, said, server, write};
@@ -79,7 +79,7 @@ fn a_part_of_a_run_that_is_asked_for_has_bounds() {
     }
 }
 
-/// A run with machines: one that uses a library, and a small one that came later.
+/// A run with two machines: one that uses a library, and a later small one.
 fn with_machines(run: &Path) -> Vec<String> {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     let dir = examples.join("libraries");
@@ -126,7 +126,7 @@ fn the_machines_that_a_run_went_by_are_told() {
     assert!(!names.iter().any(|name| name.to_string_lossy().starts_with("machine-")), "{names:?}");
 }
 
-/// Bytes and headers of a file.
+/// Content and headers of a file.
 fn file(server: &TestServer, path: &str) -> (Vec<u8>, [String; 2]) {
     let url = format!("{}/api/v1/runs/{path}", server.url());
     let token = format!("Bearer {}", server.token(Role::Viewer));
@@ -220,7 +220,7 @@ fn a_damaged_journal_is_said_to_be_by_every_answer() {
     }
     let url = format!("{}/api/v1/runs/run/export?format=jsonl", server.url());
     let token = format!("Bearer {}", server.token(Role::Viewer));
-    // The connection breaks off: in the body, or before the head was sent, if there is little to send.
+    // The connection breaks: within the body, or before the head if the body is short.
     let read = match ureq::get(url).header("Authorization", token).call() {
         Ok(answer) => answer.into_body().into_reader().read_to_end(&mut Vec::new()),
         Err(ureq::Error::Io(error)) => Err(error),

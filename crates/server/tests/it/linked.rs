@@ -1,5 +1,5 @@
-//! Machines whose files are links, as `colcon build --symlink-install` installs them: opened where the links stay inside, never
-//! replaced by a save.
+//! Machines whose files are links, as `colcon build --symlink-install` installs them. They open if the links stay inside, and a save
+//! never replaces the links.
 
 use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, post};
@@ -12,10 +12,10 @@ use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
-/// Where a package is installed in its workspace.
+/// Install folder of a package in its workspace.
 const SHARE: &str = "install/p/share/p";
 
-/// A workspace `ws` with the machine `hello` in its sources, and links to its files where the package is installed.
+/// A workspace `ws` with the machine `hello` in its sources, and links to its files in the install folder.
 fn workspace(place: &Path) -> PathBuf {
     let ws = place.join("ws");
     let machine = notation::parse(MACHINE).unwrap();
@@ -24,7 +24,7 @@ fn workspace(place: &Path) -> PathBuf {
     ws
 }
 
-/// Marks it as colcon does.
+/// Adds the marks of colcon.
 fn build(ws: &Path) {
     fs::create_dir_all(ws.join("build")).unwrap();
     fs::write(ws.join("build/.built_by"), "colcon\n").unwrap();

@@ -1,4 +1,4 @@
-//! Open machines over HTTP: edited by two people, saved, reloaded, closed, and found again by a server that takes over.
+//! Open machines over HTTP: edited by two users, saved, reloaded, closed, and recovered by the next server.
 
 use crate::harness::{Answer, TestServer};
 use crate::socket_client::Client;
@@ -22,13 +22,13 @@ pub(crate) const MACHINE: &str = "
         outcome success
 ";
 
-/// Writes a machine of the notation into a folder of the project.
+/// Writes a machine in the notation to a folder of the project.
 pub(crate) fn write(server: &TestServer, path: &str, text: &str) {
     let machine = notation::parse(text).unwrap();
     save(&machine, &server.project().join(path), None, Naming::default()).unwrap();
 }
 
-/// A machine in the notation, as it lies in a folder.
+/// The machine in a folder, in the notation.
 fn read(folder: &Path) -> String {
     notation::print(&load(folder, &Libraries::default()).unwrap().machine)
 }
@@ -45,13 +45,13 @@ pub(crate) fn get(server: &TestServer, path: &str) -> Value {
     server.call(Some(Role::Viewer), "GET", &format!("/api/v1/machines{path}"), None).json()
 }
 
-/// Opens a machine; its id.
+/// Opens a machine and returns its id.
 pub(crate) fn open(server: &TestServer, path: &str) -> String {
     let opened = post(server, Role::Viewer, "/open", &file(path));
     opened.json()["id"].as_str().unwrap_or_else(|| panic!("{opened:?}")).to_owned()
 }
 
-/// Gives a state another name.
+/// Renames a state.
 fn rename(server: &TestServer, role: Role, machine: &str, id: &str, name: &str) -> String {
     let edit = json!({ "edit": "set_name", "path": "ROOT/AAAAAA", "name": name });
     let edit = json!({ "id": id, "name": format!("Rename to {name}"), "edit": edit });
@@ -63,7 +63,7 @@ fn deed(server: &TestServer, role: Role, machine: &str, deed: &str, body: &Value
     format!("{deed}: {}\n", answer.said())
 }
 
-/// How an open machine stands; revisions as steps since it was opened.
+/// The status of an open machine. Revisions are counted from its opening.
 fn stands(server: &TestServer, machine: &str, first: u64) -> String {
     let status = get(server, &format!("/{machine}"));
     let summary = &status["summary"];
@@ -225,7 +225,7 @@ fn what_is_copied_can_be_pasted_elsewhere() {
     assert_eq!(paths, ["OTHERR", "OTHERR/AAAAAA", "OTHERR/BBBBBB"]);
 }
 
-/// The answers and how the machine stands, before and after another server took over.
+/// Replies and status of the machine, before and after another server takes over.
 fn check_taken_over(between: impl FnOnce(&Path), expect: &Expect) {
     let server = TestServer::new();
     write(&server, "one", MACHINE);
@@ -343,7 +343,7 @@ fn ids_and_names_have_bounds() {
     assert_eq!(rename(&server, Role::Engineer, &id, "1", &long), "edits: 400 bad_name\n");
 }
 
-/// Who may only look sets nothing of others aside.
+/// A user who may only observe does not set edits of others aside.
 #[test]
 fn a_draft_that_no_longer_fits_is_left_alone_by_who_may_not_edit() {
     let server = TestServer::new();

@@ -1,4 +1,4 @@
-//! The server as its clients meet it: over HTTP, in a process of its own kind.
+//! The server over HTTP, as its clients use it.
 
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 

@@ -1,4 +1,4 @@
-//! The page: who gets which file, how browsers keep it, and what it may load.
+//! The page: access to its files, caching by browsers, and its content policy.
 
 use crate::harness::TestServer;
 use rafcon_server::PageFiles;

@@ -1,4 +1,4 @@
-//! Runs that are over, made from text, and a server that serves them. Knows how journals are written.
+//! Finished runs, made from text, and a server that serves them. Knows the format of journals.
 
 use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
@@ -7,7 +7,7 @@ use rafcon_testkit::journal_notation;
 use serde_json::Value;
 use std::path::Path;
 
-/// States of every run.
+/// States of all runs.
 pub(crate) const MACHINE: &str = r#"
     place R "Root" in speed scoped n outcome done
     place R/A "Root/Scan" script in a out b outcome ok,lost
@@ -15,7 +15,7 @@ pub(crate) const MACHINE: &str = r#"
     place R/H/X "Root/Search/Look" script out x outcome ok
 "#;
 
-/// A short run with everything in it.
+/// A short run with every kind of event.
 pub(crate) const RUN: &str = r#"
     enter R speed=1.5
     scoped R n=0
@@ -31,14 +31,14 @@ pub(crate) const RUN: &str = r#"
     leave R/H/X ok x=7
 "#;
 
-/// How it ends.
+/// The end of the run.
 pub(crate) const END: &str = r#"
     leave R/H ok
     leave R done
     told {"type": "finished", "outcome": {"id": 0, "name": "done"}, "outputs": {}, "globals": {}, "scoped_variables": {}, "states_run": 4}
 "#;
 
-/// A server with these runs, each an id and what happened.
+/// A server with these runs, given by id and events.
 pub(crate) fn server(runs: &[(&str, &str)]) -> TestServer {
     let place = tempfile::tempdir().unwrap();
     for (id, text) in runs {
@@ -47,7 +47,7 @@ pub(crate) fn server(runs: &[(&str, &str)]) -> TestServer {
     TestServer::at(place, |_settings| {})
 }
 
-/// A run in progress in this process until its journal is dropped.
+/// A run that is active in this process until its journal is dropped.
 pub(crate) fn write(runs: &Path, id: &str, text: &str) -> Journal {
     let about = About {
         id: id.to_owned(),
@@ -62,19 +62,19 @@ pub(crate) fn write(runs: &Path, id: &str, text: &str) -> Journal {
     journal
 }
 
-/// More of a run.
+/// Appends events to a run.
 pub(crate) fn append(journal: &Journal, text: &str) {
     journal.append(&journal_notation::batch(&format!("{MACHINE}{text}"), 0).unwrap()).unwrap();
 }
 
-/// What is answered to someone who may look on.
+/// The response for a viewer.
 pub(crate) fn get(server: &TestServer, path: &str) -> Value {
     let answer = server.call(Some(Role::Viewer), "GET", &format!("/api/v1/runs/{path}"), None);
     assert_eq!(answer.status, 200, "{path}: {}", answer.text);
     answer.json()
 }
 
-/// Status and code of the answer.
+/// Status and code of the response.
 pub(crate) fn said(server: &TestServer, role: Role, method: &str, path: &str) -> String {
     server.call(Some(role), method, &format!("/api/v1/runs/{path}"), None).said()
 }

@@ -1,4 +1,4 @@
-//! Plans over HTTP, of a shell script in the place of the default engine.
+//! Plans over HTTP. A shell script replaces the default engine.
 
 use crate::harness::TestServer;
 use crate::raw::Raw;
@@ -109,7 +109,7 @@ fn an_engine_ends_when_its_client_goes_away() {
         body.len()
     ));
     assert!(client.head().starts_with("HTTP/1.1 200"));
-    // The engine has begun when it can be heard, and is gone when nothing more comes.
+    // The engine runs once its pipe can be opened, and has ended when the pipe is closed.
     let mut engine = File::open(&alive).unwrap();
     let ended = thread::scope(|scope| {
         let ended = scope.spawn(move || engine.read_to_end(&mut Vec::new()));

@@ -1,5 +1,5 @@
-//! The server behind a real reverse proxy, nginx, as a browser meets it there: page, login, requests and the WebSocket. The
-//! configurations are those of `docs/guide/server.md`.
+//! The server behind a real reverse proxy, nginx, as seen by a browser: page, login, requests and the WebSocket. The
+//! configurations are those in `docs/guide/server.md`.
 
 use crate::harness::{PASSWORD, TestServer};
 use crate::page::page;
@@ -23,31 +23,31 @@ use tokio_rustls::rustls::{ClientConfig, ClientConnection, RootCertStore, Stream
 use tungstenite::Message;
 use tungstenite::client::IntoClientRequest as _;
 
-/// Far beyond what any answer takes.
+/// Far longer than any response takes.
 const TEST_TIMEOUT: Duration = Duration::from_secs(15);
-/// Set where a missing program is a fault.
+/// Set on computers where a missing program is a fault.
 const CI: &str = "CI";
 
-/// What a proxy says about the browser.
+/// Header lines of a proxy about the browser.
 const TOLD: &str = "proxy_set_header X-Forwarded-For $remote_addr;
                     proxy_set_header X-Forwarded-Host $http_host;
                     proxy_set_header X-Forwarded-Proto $scheme;";
 
-/// A proxy, until dropped.
+/// A proxy that runs until dropped.
 struct Nginx {
     place: TempDir,
     port: u16,
     child: Child,
 }
 
-/// How a proxy offers the server.
+/// Address of the server at a proxy.
 struct Offer<'o> {
     is_secure: bool,
-    /// `location` and `proxy_pass`; `SERVER` stands for the server's address.
+    /// `location` and `proxy_pass`; `SERVER` is replaced by the server's address.
     location: &'o str,
 }
 
-/// A browser at the proxy.
+/// A browser that uses the proxy.
 struct Browser<'n> {
     nginx: &'n Nginx,
     is_secure: bool,
@@ -61,7 +61,7 @@ trait Wire: Read + Write {}
 impl<T: Read + Write> Wire for T {}
 
 impl Nginx {
-    /// `None` where nginx is not installed.
+    /// Starts nginx. `None` if it is not installed.
     fn start(server: &TestServer, offer: &Offer<'_>) -> Option<Self> {
         let program =
             ["/usr/sbin/nginx", "/usr/bin/nginx"].into_iter().find(|it| Path::new(it).exists());
@@ -73,7 +73,7 @@ impl Nginx {
             return None;
         };
         let place = tempfile::tempdir().unwrap();
-        // It inherits the socket, which can be connected to from now on.
+        // The proxy inherits the socket, which accepts connections from now on.
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         listener.set_nonblocking(true).unwrap();
         fcntl_setfd(&listener, FdFlags::empty()).unwrap();
@@ -110,7 +110,7 @@ impl Nginx {
 
 impl Drop for Nginx {
     fn drop(&mut self) {
-        // Its worker ends with it.
+        // The worker process ends with it.
         kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
         self.child.wait().unwrap();
     }
@@ -120,7 +120,7 @@ fn config(server: &TestServer, offer: &Offer<'_>, port: u16) -> String {
     let tls = "ssl_certificate certificate.pem; ssl_certificate_key key.pem;";
     let (ssl, tls) = if offer.is_secure { (" ssl", tls) } else { ("", "") };
     let location = offer.location.replace("SERVER", &server.address().to_string());
-    // What a location sets replaces all that is set around it.
+    // Headers in a location replace those of the enclosing blocks.
     let location = location.replace(
         "proxy_pass",
         "proxy_set_header Upgrade $http_upgrade; proxy_set_header Connection $connection_upgrade; proxy_pass",
@@ -147,7 +147,7 @@ impl Browser<'_> {
         format!("{scheme}://{}", self.host)
     }
 
-    /// The answer to a request with these lines in its head.
+    /// The response to a request with these header lines.
     fn ask(&self, line: &str, head: &[(&str, &str)], body: &str) -> String {
         let head = head.iter().map(|(name, value)| format!("{name}: {value}\r\n"));
         let request = format!(
@@ -172,7 +172,7 @@ impl Browser<'_> {
         self.ask(&format!("POST {}/api/v1/session", self.base), &head, &login)
     }
 
-    /// The first frames of a WebSocket that follows the server.
+    /// The first frames of a WebSocket with a subscription to the server's status.
     fn follow(&self, cookie: &str) -> [Value; 2] {
         let scheme = if self.is_secure { "wss" } else { "ws" };
         let url = format!("{scheme}://{}{}/api/v1/socket", self.host, self.base);
@@ -189,7 +189,7 @@ impl Browser<'_> {
         [hear(), hear()]
     }
 
-    /// Everything that a page does, from its address to what it follows.
+    /// All steps of a page, from its address to a subscription.
     fn visit(&self) {
         let base = self.base;
         let index = self.ask(&format!("GET {base}/"), &[("Accept", "text/html")], "");
@@ -215,7 +215,7 @@ impl Browser<'_> {
         self.check_closed_to_others();
     }
 
-    /// Neither pages of others nor other names get in.
+    /// Pages of other sites and other host names are refused.
     fn check_closed_to_others(&self) {
         let strange = self.log_in("https://evil.example");
         assert!(strange.starts_with("HTTP/1.1 403"), "{strange}");
@@ -232,7 +232,7 @@ fn header(answer: &str, name: &str) -> Option<String> {
     lines.find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, value)| value.to_owned())
 }
 
-/// A server that is called `robot.lan`, with a page of one file.
+/// A server with the host name `robot.lan`, and a page with one file.
 fn server(change: impl FnOnce(&mut Settings)) -> (TempDir, TestServer) {
     let place = tempfile::tempdir().unwrap();
     let files = page(place.path());

@@ -1,4 +1,4 @@
-//! Requests byte by byte, for what no decent client sends.
+//! Requests byte by byte, including those that no regular client sends.
 
 use crate::harness::TestServer;
 use rustix::net::{AddressFamily, SocketType, bind, connect, socket};
@@ -7,10 +7,10 @@ use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
-/// Far beyond what any answer takes: a test fails instead of hanging.
+/// Far longer than any response takes. A test fails instead of hanging.
 const TEST_TIMEOUT: Duration = Duration::from_secs(15);
 
-/// A connection that says what it is told to.
+/// A connection that sends arbitrary bytes.
 pub(crate) struct Raw(TcpStream);
 
 impl Raw {
@@ -18,7 +18,7 @@ impl Raw {
         Self::over(TcpStream::connect(server.address()).unwrap())
     }
 
-    /// From another address of this computer.
+    /// Connects from another address of this computer.
     pub(crate) fn from(ip: [u8; 4], server: &TestServer) -> Self {
         let socket = socket(AddressFamily::INET, SocketType::STREAM, None).unwrap();
         bind(&socket, &SocketAddr::from((ip, 0))).unwrap();
@@ -32,12 +32,12 @@ impl Raw {
         Self(stream)
     }
 
-    /// Whether the other side took it.
+    /// Sends bytes. Returns `true` if they were accepted.
     pub(crate) fn say(&mut self, bytes: impl AsRef<[u8]>) -> bool {
         self.0.write_all(bytes.as_ref()).is_ok()
     }
 
-    /// All that the other side says until it closes. One that breaks off says no more.
+    /// All remaining output of the server until it closes or breaks the connection.
     pub(crate) fn rest(mut self) -> String {
         let (mut bytes, mut part) = (Vec::new(), [0; 4096]);
         while let Ok(count @ 1..) = self.0.read(&mut part) {
@@ -46,7 +46,7 @@ impl Raw {
         String::from_utf8_lossy(&bytes).into_owned()
     }
 
-    /// Whether the other side has said something that was not read yet.
+    /// True if the server has sent unread data.
     pub(crate) fn has_answer(&self) -> bool {
         self.0.set_nonblocking(true).unwrap();
         let count = self.0.peek(&mut [0; 1]);
@@ -54,14 +54,14 @@ impl Raw {
         matches!(count, Ok(1))
     }
 
-    /// Reads past the body that this head announces.
+    /// Skips the body that this head announces.
     pub(crate) fn skip_body(&mut self, head: &str) {
         let mut lines = head.lines().filter_map(|line| line.strip_prefix("content-length: "));
         let length = lines.next().map_or(0, |length| length.trim().parse().unwrap());
         self.0.read_exact(&mut vec![0; length]).unwrap();
     }
 
-    /// The next head, when the connection is to stay.
+    /// The next head on a connection that stays open.
     pub(crate) fn head(&mut self) -> String {
         let (mut bytes, mut one) = (Vec::new(), [0; 1]);
         while !bytes.ends_with(b"\r\n\r\n") && matches!(self.0.read(&mut one), Ok(1)) {
@@ -89,12 +89,12 @@ pub(crate) fn log_in(server: &TestServer, login: &Value) -> String {
     )
 }
 
-/// The status of an answer's text; 0 if there was none.
+/// The status in a response. 0 without a response.
 pub(crate) fn status(text: &str) -> u16 {
     text.split(' ').nth(1).and_then(|word| word.parse().ok()).unwrap_or_default()
 }
 
-/// A whole request, with lines of the head that the caller chooses, and its status.
+/// Sends a request with these header lines and returns the response.
 pub(crate) fn ask(server: &TestServer, line: &str, head: &[(&str, &str)]) -> String {
     let mut raw = Raw::to(server);
     let head = head.iter().map(|(name, value)| format!("{name}: {value}\r\n"));

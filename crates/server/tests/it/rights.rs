@@ -1,4 +1,4 @@
-//! The tables of rights: every role, and no one, against every route and every command.
+//! The tables of rights: every role, and no user, against every route and every command.
 
 use crate::harness::TestServer;
 use expect_test::expect;
@@ -9,11 +9,11 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use utoipa::PartialSchema as _;
 
-/// What stands in the table but in no description: it is for browsers only.
+/// Routes in the table that are not in the API description, because they are for browsers only.
 const NOT_DESCRIBED: [(&str, &str); 4] =
     [("GET", "/"), ("GET", "/popout.html"), ("GET", "/icon.svg"), ("GET", "/assets/{file}")];
 
-/// An address of a route, about things that do not exist.
+/// A URL of a route with ids that do not exist.
 fn address(path: &str) -> String {
     let part = |part: &str| if part.starts_with('{') { "none".to_owned() } else { part.to_owned() };
     path.split('/').map(part).collect::<Vec<_>>().join("/")
@@ -57,7 +57,7 @@ fn the_table_and_the_description_have_the_same_routes() {
     assert_eq!(missing(&table, &described), [], "rows without a route");
 }
 
-/// One of each command, and those whose right depends on what they say.
+/// One command of each kind, and variants whose right depends on their content.
 fn commands() -> Vec<(String, Command)> {
     let fields = json!({
         "path": "A", "outcome": 0, "id": 1, "question": 1, "value": 0, "sequence": 1, "script": "",
@@ -87,7 +87,7 @@ fn a_command_knows_the_name_of_its_type() {
     }
 }
 
-/// The name of every command, from the description of the protocol.
+/// The names of all commands, from their schema.
 fn tags() -> Vec<String> {
     let schema = serde_json::to_value(Command::schema()).unwrap();
     let kinds = schema["oneOf"].as_array().unwrap().iter();
@@ -107,7 +107,7 @@ fn table() -> String {
     head.to_owned() + &starts().into_iter().chain(commands).map(row).collect::<String>()
 }
 
-/// Starts of a run whose right depends on what they say.
+/// Starts of a run whose right depends on their content.
 fn starts() -> [(String, Right); 2] {
     let right = |points| of_start(&serde_json::from_value::<StartRun>(start(&points)).unwrap());
     let (plain, conditional) = (json!([]), json!([{"id": 1, "path": "A", "condition": "True"}]));

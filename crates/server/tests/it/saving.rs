@@ -1,4 +1,4 @@
-//! Machines and states of them that are saved elsewhere.
+//! Machines and states that are saved in other folders.
 
 use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
@@ -27,14 +27,14 @@ fn file(path: &str) -> Value {
     json!({ "project": "project", "path": path })
 }
 
-/// A machine that lies on disk, without what its header says of when and by whom it was written.
+/// The machine on disk, without its header, which has times and versions.
 fn shown(server: &TestServer, path: &str) -> String {
     let mut machine = load(&server.project().join(path), &Libraries::default()).unwrap().machine;
     machine.header = Header::default();
     notation::print(&machine)
 }
 
-/// Status, code and message, without where the test runs.
+/// Status, code and message, without the test's folder.
 fn said(server: &TestServer, answer: &Answer) -> String {
     let message = answer.json()["message"].as_str().unwrap_or_default().to_owned();
     let message = message.replace(&*server.project().to_string_lossy(), "…");

@@ -1,4 +1,4 @@
-//! What Python's parser says about scripts.
+//! Checks of scripts by Python's parser.
 
 use crate::harness::TestServer;
 use rafcon_protocol::api::Role;

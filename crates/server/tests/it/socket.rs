@@ -1,4 +1,4 @@
-//! What the WebSocket tells of runs, and what it answers to whatever is said.
+//! Subscriptions to runs over the WebSocket, and replies to arbitrary frames.
 
 use crate::harness::TestServer;
 use crate::socket_client::{Client, history};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::thread;
 use tungstenite::Message;
 
-/// A server with a run `r` of so many rounds.
+/// A server with a run `r` of this many rounds.
 fn server(rounds: usize) -> TestServer {
     let place = tempfile::tempdir().unwrap();
     socket_runs::make(&place.path().join("runs"), "r", rounds);
@@ -84,13 +84,13 @@ fn once_all_is_told_the_reader_knows() {
         {"frame":"ended","refusal":null,"subscription":3}"#]].assert_eq(&frames(&client.hear_until(|frame| frame["frame"] == "ended")));
 }
 
-/// One frame a line.
+/// Frames as text, one per line.
 fn frames(frames: &[Value]) -> String {
     let lines: Vec<String> = frames.iter().map(Value::to_string).collect();
     lines.join("\n")
 }
 
-/// The rest of a history, as many events as there are.
+/// Counts the events in the rest of a history, and checks their numbers.
 fn count(client: &mut Client, mut wait: impl FnMut()) -> usize {
     let (mut count, mut next) = (0, 1);
     loop {
@@ -128,7 +128,7 @@ fn readers_wait_neither_for_a_slow_one_nor_for_one_that_never_reads() {
     assert_eq!(count(&mut slow, thread::yield_now), all);
 }
 
-/// What this process holds in memory, in bytes.
+/// Resident memory of this process, in bytes.
 fn resident() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -155,14 +155,14 @@ fn clients_that_never_read_cost_little() {
     drop(never);
 }
 
-/// What is answered to these frames, a line each.
+/// Replies to these frames, one per line.
 fn answers(frames: &[&str]) -> String {
     let server = server(1);
     let mut client = Client::connect(&server, Role::Admin);
     for frame in frames {
         client.say_message(Message::text((*frame).to_owned()));
     }
-    // Who follows several things is told of them in any order.
+    // Frames of several subscriptions arrive in any order.
     let mut answers: Vec<String> = frames.iter().map(|_| format!("{}\n", client.hear())).collect();
     answers.sort();
     answers.concat()
@@ -272,7 +272,7 @@ fn a_server_that_ends_says_so() {
     assert_eq!(client.hear_or_end(), Err("1001 server_ends".to_owned()));
 }
 
-/// Anything that looks like a frame, and anything that does not.
+/// Texts that resemble frames, and others that do not.
 fn anything() -> impl Strategy<Value = String> {
     let word = prop::sample::select(vec![
         r#""frame":"subscribe""#,

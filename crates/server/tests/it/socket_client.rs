@@ -1,4 +1,4 @@
-//! A client of the WebSocket that says frames and hears them, one after the other. The only place that knows how one is made.
+//! A client of the WebSocket that sends and receives frames in order. Only this module knows how to connect.
 
 use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
@@ -8,23 +8,23 @@ use std::time::Duration;
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
-/// Longer than any answer takes on any computer.
+/// Longer than any reply takes on any computer.
 const TEST_TIMEOUT: Duration = Duration::from_mins(1);
 
-/// One connection.
+/// A connection of a client.
 pub(crate) struct Client {
     socket: WebSocket<TcpStream>,
 }
 
 impl Client {
-    /// Connects as someone with this role, and hears the welcome.
+    /// Connects as the user with this role, and receives the welcome.
     pub(crate) fn connect(server: &TestServer, role: Role) -> Self {
         let mut client = Self::with(server, server.token(role));
         assert_eq!(client.hear()["frame"], "welcome");
         client
     }
 
-    /// Connects with this token and hears nothing yet.
+    /// Connects with this token, without receiving a frame.
     pub(crate) fn with(server: &TestServer, token: &str) -> Self {
         let stream = TcpStream::connect(server.address()).unwrap();
         stream.set_read_timeout(Some(TEST_TIMEOUT)).unwrap();
@@ -44,17 +44,17 @@ impl Client {
         self.socket.send(message).unwrap();
     }
 
-    /// Follows something.
+    /// Starts a subscription.
     pub(crate) fn subscribe(&mut self, subscription: u32, topic: &Value) {
         self.say(&json!({ "frame": "subscribe", "subscription": subscription, "topic": topic }));
     }
 
-    /// The next frame.
+    /// Receives the next frame.
     pub(crate) fn hear(&mut self) -> Value {
         self.hear_or_end().unwrap_or_else(|end| panic!("{end}"))
     }
 
-    /// The next frame, or how the connection ended.
+    /// Receives the next frame. `Err` describes the end of the connection.
     pub(crate) fn hear_or_end(&mut self) -> Result<Value, String> {
         loop {
             match self.socket.read() {
@@ -68,7 +68,7 @@ impl Client {
         }
     }
 
-    /// The frames up to the first of which this is true.
+    /// Receives frames up to the first one that fits.
     pub(crate) fn hear_until(&mut self, is_it: impl Fn(&Value) -> bool) -> Vec<Value> {
         let mut heard = vec![self.hear()];
         while !heard.last().is_some_and(&is_it) {
@@ -77,7 +77,7 @@ impl Client {
         heard
     }
 
-    /// Numbers of all events up to the end of a subscription.
+    /// Receives all events up to the end of a subscription.
     pub(crate) fn events(&mut self) -> Vec<Value> {
         let frames = self.hear_until(|frame| frame["frame"] == "ended");
         let frames = frames.iter().filter(|frame| frame["frame"] == "events");
@@ -85,7 +85,7 @@ impl Client {
     }
 }
 
-/// The history of a run from an event on.
+/// The topic for the history of a run from an event on.
 pub(crate) fn history(run: &str, from: u64, values: bool) -> Value {
     json!({ "topic": "run_history", "run": run, "from": from, "values": values })
 }

@@ -1,4 +1,4 @@
-//! Open machines over the WebSocket: edits, their revisions, who looks at what, and who may not any more.
+//! Open machines over the WebSocket: edits, revisions, presence, and lost rights.
 
 use crate::harness::TestServer;
 use crate::socket_client::Client;
@@ -42,12 +42,12 @@ fn history(machine: &str, from: u64) -> Value {
     json!({ "topic": "machine_history", "machine": machine, "from": from })
 }
 
-/// A revision, counted from when the machine was opened.
+/// A revision, counted from the opening of the machine.
 fn count(revision: &Value, opened: u64) -> u64 {
     revision.as_u64().unwrap() - opened
 }
 
-/// What a client hears in so many lines: answers to edits, revisions, and what else is said.
+/// The next `lines` replies, revisions and other frames, as text.
 fn heard(client: &mut Client, opened: u64, lines: usize) -> String {
     let mut heard = Vec::new();
     while heard.len() < lines {
@@ -144,7 +144,7 @@ fn revisions_that_never_were_are_a_reason_to_begin_again() {
         reset to 0
     "]],
     );
-    // Its number is free again. Whoever is answered has been heard up to there.
+    // The number is free again. A reply proves that all earlier frames were processed.
     client.subscribe(1, &history(&machine, opened + 1));
     client.say(&rename(&machine, "e1", "Scan"));
     check(

@@ -1,4 +1,4 @@
-//! Journals of runs that are over, for whoever follows them, and what a whole history is.
+//! Journals of finished runs, and their expected histories.
 
 use rafcon_protocol::Event;
 use rafcon_protocol::api::HistoryEntry;
@@ -18,10 +18,10 @@ const END: &str = r#"
     told {"type":"finished","outcome":{"id":0,"name":"done"},"outputs":{},"globals":{},"scoped_variables":{},"states_run":1}
 "#;
 
-/// Events of a round.
+/// Number of events per round.
 pub(crate) const PER_ROUND: usize = 4;
 
-/// Makes a run of so many rounds that is over, in a folder of runs.
+/// Makes a finished run with this many rounds in a folder of runs.
 pub(crate) fn make(runs: &Path, id: &str, rounds: usize) {
     let about = About { name: "Root".to_owned(), ..About::default() };
     let options = Options { recorder_bytes: 1 << 22, ..Options::default() };
@@ -40,7 +40,7 @@ pub(crate) fn make(runs: &Path, id: &str, rounds: usize) {
     journal.close().unwrap();
 }
 
-/// What a client is to be told that has seen everything before event `from`.
+/// The expected events for a client that has received everything before event `from`.
 pub(crate) fn history(runs: &Path, id: &str, from: u64, values: bool) -> Vec<Value> {
     let mut reader = Reader::open(&runs.join(id)).unwrap();
     let page = reader.page(from, usize::MAX).unwrap();

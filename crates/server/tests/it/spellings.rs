@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::os::unix::fs::symlink;
 use std::sync::LazyLock;
 
-/// A server with a machine in `folder/hello`, which links name as well.
+/// A server with a machine in `folder/hello`, to which links lead as well.
 static SERVER: LazyLock<TestServer> = LazyLock::new(|| {
     let server = TestServer::new();
     write(&server, "folder/hello", MACHINE);
@@ -16,7 +16,7 @@ static SERVER: LazyLock<TestServer> = LazyLock::new(|| {
     server
 });
 
-/// Names of the machine's folder, written in several ways.
+/// Paths of the machine's folder in various spellings.
 fn spelling() -> impl Strategy<Value = String> {
     let folder = prop_oneof![
         Just(vec!["folder", "hello"]),

@@ -1,4 +1,4 @@
-//! The server behind TLS, as a client meets it that trusts one certificate.
+//! The server with TLS, for a client that trusts one certificate.
 
 use crate::harness::TestServer;
 use rafcon_protocol::api::Role;
@@ -23,7 +23,7 @@ fn server(place: &Path, names: &[&str]) -> TestServer {
     TestServer::with(|settings| settings.listen.certificate = Some((certificate, key)))
 }
 
-/// What a client is answered that trusts this certificate and calls the server by this name.
+/// The response for a client that trusts this certificate and uses this host name.
 fn ask(server: &TestServer, trusted: &Path, name: &'static str) -> Result<String, String> {
     let mut roots = RootCertStore::empty();
     roots.add(CertificateDer::from_pem_file(trusted).unwrap()).unwrap();

@@ -1,5 +1,5 @@
-//! Two people edit one machine at once over their sockets, each by what they know of it at the moment: in the end both, the
-//! server and the files hold the same machine.
+//! Two users edit one machine concurrently over their sockets, each on the basis of the revisions received so far. In the end both
+//! users, the server and the files have equal machines.
 
 use crate::harness::{TestServer, name};
 use crate::machines::{get, open, post};
@@ -33,19 +33,19 @@ const START: &str = "
           outcome success
 ";
 
-/// So many edits, undos and redos each of both makes.
+/// Number of edits, undos and redos per user.
 const DEEDS: usize = 5_000;
-/// A machine that has grown beyond this is cut down.
+/// Beyond this size, states are removed from the machine.
 const STATES_MAX: usize = 40;
 
-/// One of both, with what they know.
+/// A user with their copy of the machine.
 struct Person<'h> {
     role: Role,
     machine: &'h str,
     client: Client,
     mirror: Mirror,
     next: u64,
-    /// Names of one's own steps, to be taken back and to be made again.
+    /// Names of the user's steps, for undo and redo.
     done: Vec<String>,
     undone: Vec<String>,
     refused: usize,
@@ -78,7 +78,7 @@ impl<'h> Person<'h> {
         frame
     }
 
-    /// A step of one's own: an undo takes back one's last step and no other.
+    /// Handles a step of this user: an undo must revert the user's own last step.
     fn mine(&mut self, id: &str, name: &str) {
         let step = match id.split('-').next() {
             Some("undo") => self.done.pop().inspect(|step| self.undone.push(step.clone())),
@@ -152,7 +152,7 @@ impl<'h> Person<'h> {
     }
 }
 
-/// Numbers that are the same for the same seed.
+/// Pseudo-random numbers, determined by the seed.
 fn numbers(seed: u64) -> Vec<u16> {
     let mut state = seed;
     let next = || {
@@ -186,6 +186,6 @@ fn two_people_edit_one_machine_and_end_with_the_same() {
     let saved = load(&server.project().join("one"), &Libraries::default()).unwrap();
     assert_eq!(Document::of(&saved.machine).states, document.states);
     let faults = problems(&saved.machine, &BuiltinTypes);
-    // A machine may lose its start and its states while it is drawn.
+    // A machine may lack a start or states during editing.
     assert!(faults.iter().all(|fault| !fault.rule.refuses_edits()), "{faults:?}");
 }

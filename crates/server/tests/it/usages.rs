@@ -1,4 +1,4 @@
-//! Where libraries are used.
+//! Usages of libraries in machines and files.
 
 use crate::harness::TestServer;
 use crate::machines::{get, open, post, write};
@@ -16,7 +16,7 @@ const LIBRARY: &str = "
       out width: float
 ";
 
-/// A server with the library root `skills` outside of its project, and the library `skills/arm/grip` in it.
+/// A server with the library root `skills` outside of its project, and the library `skills/arm/grip`.
 pub(crate) fn with_library(library: &str) -> TestServer {
     let server = TestServer::with(use_skills);
     write_library(&server, "arm/grip", library);
@@ -39,7 +39,7 @@ pub(crate) fn write_library(server: &TestServer, path: &str, text: &str) {
     save(&machine, &folder, None, Naming::default()).unwrap();
 }
 
-/// Puts the library into a machine, below `path`.
+/// Adds the library to a machine, below `path`.
 pub(crate) fn add(server: &TestServer, machine: &str, path: &str, id: &str) {
     let library = json!({ "path": "skills/arm", "name": "grip" });
     let state =
@@ -88,7 +88,7 @@ fn a_library_is_found_where_it_is_used() {
     assert_eq!(usages(&server, "path=nowhere&name=grip"), none);
 }
 
-/// A library comes into a machine with what it says of itself, and its content can be asked for with every layout.
+/// A machine gets a library with its outcomes and ports. The library's content is available with its layout.
 #[test]
 fn a_library_brings_its_outcomes_and_ports_along() {
     let server = with_library(
@@ -133,7 +133,7 @@ fn a_library_brings_its_outcomes_and_ports_along() {
     assert!(!inside["layout"].is_null(), "{inside}");
 }
 
-/// The library gets another version, another input in the place of one, and one more outcome.
+/// The changed library: another version, a replaced input, and an additional outcome.
 const CHANGED: &str = "
     hierarchy GRIPPP \"Grip\"
       outcome dropped
@@ -199,7 +199,7 @@ fn a_library_that_changed_is_told_and_taken_over() {
     assert_eq!(root["data_flows"][0]["from_port"], 8);
 }
 
-/// After the library was taken over, that was taken back, and the server was started again, neither step changes anything.
+/// A library is adopted, a jump reverts that, and the server restarts: the replay of both steps changes nothing, and later edits survive.
 #[test]
 fn a_library_that_changed_keeps_no_edit_from_being_made_again() {
     let server = with_library(LIBRARY);
@@ -248,7 +248,7 @@ fn of_very_many_usages_some_are_told_and_that_there_may_be_more() {
     };
     write(&server, "many", &machine(999));
     assert_eq!(told(), (999, false));
-    // Those of open machines come first, and count.
+    // Usages in open machines come first, and count towards the limit.
     write(&server, "few", &machine(2));
     open(&server, "few");
     assert_eq!(told(), (1000, true));

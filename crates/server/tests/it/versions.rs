@@ -1,4 +1,4 @@
-//! What an open machine is compared with: its files, and its versions in git.
+//! Versions for comparison with an open machine: its files, and git commits.
 
 use crate::harness::{Answer, TestServer};
 use crate::machines::{MACHINE, get, open, post, write};
@@ -32,7 +32,7 @@ fn name(document: &Value) -> &str {
     document["states"][1]["name"].as_str().unwrap()
 }
 
-/// A machine with two versions in git, and one on disk; its id.
+/// A machine with two versions in git and one on disk. Returns its id.
 fn committed() -> (TestServer, String) {
     let server = TestServer::new();
     write(&server, "in/one", MACHINE);
@@ -117,7 +117,7 @@ fn a_repository_outside_the_project_is_not_asked() {
     }
 }
 
-/// Adds this number of commits that touch the folder of the machine.
+/// Adds this number of commits that change the folder of the machine.
 fn commit_often(server: &TestServer, commits: usize) {
     let one = |number: usize| {
         let second = 1_700_000_000 + number;
@@ -178,7 +178,7 @@ fn without_git_there_are_no_versions() {
     assert_eq!(get(&server, &format!("/{id}/versions")), none);
 }
 
-/// Whoever writes into a repository names programs there that a checkout or a signed log would run.
+/// The authors of a repository can name programs that a checkout or a signed log would run.
 #[test]
 fn nothing_that_a_repository_names_is_run() {
     let (server, id) = committed();

@@ -1,4 +1,4 @@
-//! Engines as they are and as they should not be: shell scripts in the place of `kairos`.
+//! Engines with correct and faulty behaviour: shell scripts replace `kairos`.
 
 use super::{Cancel, Planner, machine_of};
 use crate::{Interpreter, ProgramEnvironment};
@@ -120,7 +120,7 @@ fn an_engine_is_believed_only_what_is_true() {
         failed: the engine `kairos` gave a plan that is not valid: step 1: (at b) does not hold; choose another engine
     "]],
     );
-    // The second search may do better than the first.
+    // The second search may succeed after the first one failed.
     let liar_once = format!("if [ -e lied ]; then {PLAN}; else touch lied; {lie}; fi");
     check(
         &liar_once,
@@ -150,7 +150,7 @@ fn what_an_engine_says_is_bounded() {
         done: a plan was found
     "]],
     );
-    // More lines than wait for the search.
+    // More lines than the queue can hold.
     check(
         &format!("seq 1 1000; {PLAN}"),
         &request(),
@@ -355,13 +355,13 @@ fn a_cancelled_engine_is_gone_with_what_left_its_session_and_lost_its_parent() {
     check_gone("(setsid sh -c 'exec 3>alive; exec tail -f /dev/null' &);");
 }
 
-/// Cancels an engine that has started something in the background.
+/// Cancels an engine that has started a background process.
 fn check_gone(background: &str) {
     let world = World::new(&format!("{background} exec 3>alive; {PLAN}; exec tail -f /dev/null"));
     let alive = world.folder.path().join("alive");
     assert!(Command::new("mkfifo").arg(&alive).status().unwrap().success());
     thread::scope(|scope| {
-        // Its end is the end of all processes that have it open.
+        // The pipe is closed once all processes that have it open have exited.
         let ended = scope
             .spawn(|| File::open(&alive).and_then(|mut file| file.read_to_end(&mut Vec::new())));
         let cancel = Cancel::default();

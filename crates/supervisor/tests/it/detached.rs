@@ -1,4 +1,4 @@
-//! A detached runner and its run, by what whoever started it leaves behind.
+//! A detached runner and its run, observed through the files and processes that outlive its starter.
 
 use rafcon_protocol::{
     Answer, Command, Envelope, Event, FrameKind, Hello, Join, Launch, ToRunner, ToViewer, decode,
@@ -27,7 +27,7 @@ const MACHINE: &str = r#"execution LONELY "Lonely"
         return 0
 "#;
 
-/// The extension that was built beside this test.
+/// The extension that was built together with this test.
 fn extension() -> Result<PathBuf, NoExtension> {
     let test = std::env::current_exe().unwrap();
     let program = test.parent().and_then(Path::parent).map(|folder| folder.join("rafcon"));
@@ -48,7 +48,7 @@ fn held(folder: &Path) -> Launch {
     Launch { machine, run_folder: Some(run), hold: true, listen: true, ..Launch::default() }
 }
 
-/// What the runner says after its hello.
+/// The messages of the runner after its hello.
 fn messages(control: UnixStream) -> impl Iterator<Item = ToViewer> {
     let mut runner = BufReader::new(control);
     let mut hello = String::new();

@@ -1,6 +1,6 @@
-//! Runners that are started without a terminal: real interpreters, the real extension, folders of their own.
+//! Runners without a terminal, with real interpreters, the real extension, and temporary folders.
 //!
-//! The extension must have been built: `cargo build --workspace`, or `cargo xtask test`, which does it.
+//! Build the extension first: `cargo build --workspace`, or use `cargo xtask test`, which builds it.
 
 #![expect(clippy::unwrap_used, reason = "a test ends where it goes wrong")]
 

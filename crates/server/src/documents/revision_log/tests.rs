@@ -1,4 +1,4 @@
-//! What is kept of the past is bounded, and readers get every revision once.
+//! The stored history is limited, and readers get every revision once.
 
 use super::{
     BYTES_MAX, Fingerprint, Inverse, InverseChange, MACHINES_MAX, PAGE_BYTES, REVISIONS_MAX,
@@ -54,7 +54,7 @@ fn what_is_kept_is_bounded_and_the_start_stays() {
     assert_eq!(history.authors["ann"].done.len(), REVISIONS_MAX);
 }
 
-/// Revisions with names of these sizes, the first of them revision 11.
+/// A log of revisions with names of these sizes. The first one has number 11.
 fn told(sizes: &[usize]) -> RevisionLog {
     let mut history = RevisionLog::of(machine(0), 10);
     for size in sizes {
@@ -93,7 +93,7 @@ fn pages_and_memory_are_bounded() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// A mark does not depend on the way: equal machines have the same one, different machines have different ones.
+    /// A fingerprint is independent of the path: equal machines have equal ones, and different machines have different ones.
     #[test]
     fn marks_tell_machines_apart(numbers in proptest::collection::vec(any::<u16>(), 0..600)) {
         let start = notation::parse("hierarchy ROOT\n  barrier BBBBBB\n    decider unique_decider_state_id").unwrap();

@@ -1,4 +1,4 @@
-//! Control of a run as text: who does what when, and who holds it then.
+//! Control of a run as text: who acts at which time, and who holds control afterwards.
 
 use super::{Denied, GivenCommand, Holding, REQUESTS_MAX};
 use expect_test::{Expect, expect};
@@ -24,8 +24,8 @@ fn wanted(word: &str) -> Option<ControlMove> {
     })
 }
 
-/// Lines of `second user what`; `sets-100` says that the calendar was set by 100 s, `commands` is a command, `decides-3` one that was
-/// decided on under epoch 3, `refused-5` says that the run refused the user's command of second 5.
+/// A line is `second user action`. `sets-100` sets the clock by 100 s, `commands` is a command, `decides-3` a command that was decided
+/// under epoch 3, and `refused-5` a refusal by the run of the user's command of second 5.
 fn play(holding: &mut Holding, line: &str) -> Result<(), Denied> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [second, user, what] = words[..] else { panic!("{line}") };
@@ -71,7 +71,7 @@ fn check(script: &str, expect: &Expect) {
     expect.assert_eq(&seen);
 }
 
-/// What every move in these situations comes to; where the holder's silence makes a difference, also that.
+/// Result of every move in these situations, also with a silent holder if that differs.
 fn table(situations: &[(&str, &str)]) -> String {
     let moves = [
         "commands",
@@ -259,7 +259,7 @@ fn every_move_has_an_answer_beside_an_offer() {
     .assert_eq(&table(&situations));
 }
 
-/// After these lines, with a semicolon between each.
+/// The state after these lines, which are separated by semicolons.
 fn after(lines: &str) -> Holding {
     let mut holding = Holding::default();
     let lines = lines.split(';').filter(|line| !line.is_empty());
@@ -354,7 +354,7 @@ fn control_changes_hands() {
 }
 
 proptest! {
-    /// Any user moves at any time: a holder who was heard in time loses control only by giving it or by an accepted offer.
+    /// With any moves at any time, an active holder loses control only by giving it away or by an accepted offer.
     #[test]
     fn control_is_only_lost_by_silence(moves in prop::collection::vec((0..3_usize, 0..9_usize, 0..20_u64), 0..60)) {
         let words = ["commands", "requests", "withdraws", "hands-to-cy", "releases", "takes-over", "heard", "accepts", "declines"];
@@ -388,7 +388,7 @@ fn so_many_may_request_control_and_one_who_withdraws_makes_room() {
         play(&mut holding, &format!("1 user{nth} requests")).unwrap();
     }
     assert!(matches!(play(&mut holding, "1 cy requests"), Err(Denied::TooMany)));
-    // A second request of a user changes nothing.
+    // A repeated request of a user changes nothing.
     play(&mut holding, "1 user3 requests").unwrap();
     assert_eq!(holding.told(SILENCE).requests.len(), REQUESTS_MAX);
     play(&mut holding, "2 user3 withdraws").unwrap();

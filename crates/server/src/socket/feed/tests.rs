@@ -1,4 +1,4 @@
-//! Changes in, frames out, each with the moment, by a clock that stands still while someone works.
+//! Changes in, frames out, each with its time, on a clock that pauses while a task works.
 
 use super::super::outbox::{FULL, Lane, Outbox, length};
 use super::super::status::Status;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::{Instant, sleep, sleep_until, timeout, timeout_at};
 
-/// Takes frames for `ms`, each after a while, and writes down when.
+/// Takes frames for `ms`, with a pause after each, and records the times.
 async fn taken(outbox: &Outbox, ms: u64, slowness: Duration) -> String {
     let (begin, mut text) = (Instant::now(), String::new());
     let end = begin + Duration::from_millis(ms);
@@ -24,7 +24,7 @@ async fn taken(outbox: &Outbox, ms: u64, slowness: Duration) -> String {
     text
 }
 
-/// A number that is changed at these moments, as its status is told.
+/// A number that changes at these times, and its status frames.
 async fn check(changes: &[(u64, u64)], slowness_ms: u64, expect: &Expect) {
     let (outbox, number) = (Outbox::new(), watch::Sender::new(0));
     let frame = |number: &u64| words::text(&ToClient::Pong { id: *number, now_ms: 0 });
@@ -60,7 +60,7 @@ async fn the_first_change_is_told_at_once_and_then_one_in_a_tenth_of_a_second() 
     .await;
 }
 
-/// Frames of ten kilobytes, as many as there is room for.
+/// Frames of ten kilobytes, until the outbox is full.
 struct Flood {
     told: u64,
 }

@@ -1,4 +1,4 @@
-//! Frames in, what is to be done out: a line each.
+//! Frames in, requests out, one per line.
 
 use super::{ClientRequest, SELECTION_MAX, SUBSCRIPTIONS_MAX, Session};
 use crate::access::{Credential, Who};
@@ -11,7 +11,7 @@ fn who(role: Role) -> Who {
     Who { user: "ana".to_owned(), role, expires_ms: None, by: Credential::Owner }
 }
 
-/// What the frames ask for, a line each, and of what is told the text.
+/// The requests of these frames, one per line. Frames for the client appear as text.
 fn hear(session: &mut Session, role: Role, frames: &str) -> String {
     let frames = frames.lines().map(str::trim).filter(|frame| !frame.is_empty());
     let acts = frames.map(|frame| match session.hear(frame, &who(role), 5) {
@@ -154,7 +154,7 @@ fn commands_and_edits_need_their_rights() {
     );
 }
 
-/// Frames that are right, to be changed somewhere.
+/// Valid frames, which are then corrupted.
 const RIGHT: [&str; 5] = [
     r#"{"frame":"subscribe","subscription":1,"topic":{"topic":"run_history","run":"r","from":7}}"#,
     r#"{"frame":"unsubscribe","subscription":1}"#,
@@ -163,7 +163,7 @@ const RIGHT: [&str; 5] = [
     r#"{"frame":"ping","id":3}"#,
 ];
 
-/// Something is told, or something is to be done; a subscription is begun only under a number that is free.
+/// Every frame causes a reply or a request. A subscription starts only under a free number.
 fn any_frame_is_answered(frames: &[String]) {
     let mut session = Session::default();
     let mut begun = std::collections::BTreeSet::new();
@@ -180,7 +180,7 @@ fn any_frame_is_answered(frames: &[String]) {
     }
 }
 
-/// A right frame with some of its characters replaced, doubled or left out.
+/// A valid frame with some characters replaced or removed.
 fn nearly_right() -> impl Strategy<Value = String> {
     let change = (
         any::<prop::sample::Index>(),
