@@ -13,19 +13,19 @@ pub(crate) struct ChangeCounters {
 
 impl Default for ChangeCounters {
     fn default() -> Self {
-        // Clients request files again when this number changes: another server must have another one.
+        // Clients reload files when this number changes, so each server must start with a different one.
         let files = watch::Sender::new(clock::since_1970_ms());
         Self { files, machines: watch::Sender::default(), runs: watch::Sender::default() }
     }
 }
 
 impl ChangeCounters {
-    /// A file of a project or a library has changed.
+    /// Counts a change of a file in a project or a library.
     pub(crate) fn files(&self) {
         count(&self.files);
     }
 
-    /// An open machine has changed: opened, edited, saved, closed, or viewed by others.
+    /// Counts a change of an open machine: it was opened, edited, saved or closed, or has other viewers.
     pub(crate) fn machines(&self) {
         count(&self.machines);
     }
@@ -50,7 +50,7 @@ impl ChangeCounters {
         self.runs.clone()
     }
 
-    /// Changes whenever files have changed, also with a restart of the server.
+    /// Changes with every change of files, and with a restart of the server.
     pub(crate) fn files_revision(&self) -> u64 {
         *self.files.borrow()
     }

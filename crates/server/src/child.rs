@@ -9,7 +9,7 @@ use tokio::process::Command;
 /// Limit on the kept bytes of a program's error output.
 const ERROR_BYTES: u64 = 4096;
 
-/// The limits of a program.
+/// Limits on a program's time and output.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ChildLimits {
     /// Timeout of the whole run.
@@ -18,7 +18,7 @@ pub(crate) struct ChildLimits {
     pub(crate) output: u64,
 }
 
-/// The output of a program.
+/// Exit status and output of a program.
 #[derive(Debug)]
 pub(crate) struct ChildOutput {
     pub(crate) status: ExitStatus,

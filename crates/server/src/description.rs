@@ -17,7 +17,7 @@ use utoipa::openapi::security::{
 };
 use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
 
-/// The head of the description.
+/// General information in the description, and additional schemas.
 #[derive(Debug, utoipa::OpenApi)]
 #[openapi(
     info(
@@ -25,7 +25,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
         description = "Projects, open machines, runs and people. docs/api.md says what the words mean and how to use the \
                        WebSocket, whose frames are the schemas ToServer and ToClient."
     ),
-    // The last ones are named by types that name themselves, whose parts are not followed.
+    // The last schemas belong to types that have explicit names. The generator does not find their parts by itself.
     components(schemas(
         Refusal, ToServer, ToClient, Edit, Change, NodeKind, LibraryNodeKind, Element, Goal, OutcomeOf, PortList, PortOf,
     )),
@@ -41,7 +41,7 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
 )]
 struct Head;
 
-/// The beginning of every description.
+/// The description without routes.
 pub(crate) fn head() -> OpenApi {
     Head::openapi()
 }

@@ -1,5 +1,5 @@
-//! A machine's document as JSON, written straight from the machine by several threads: a large one has many MB. Knows machines
-//! and text, but not who asks.
+//! Serializes a machine's document as JSON directly from the machine, in parallel: a large document has many MB. Knows machines
+//! and text, but not the client.
 
 use rafcon_model::{Machine, State};
 use rafcon_protocol::document::{HeaderDocument, StateDocument, states_of};
@@ -30,7 +30,7 @@ fn shared(machine: &Machine, states: &[(String, &State)], share: usize) -> Resul
     Ok(whole(&head, &parts?))
 }
 
-/// The parts with commas between them, copied once.
+/// Joins the parts with commas, and copies each once.
 fn whole(head: &str, parts: &[Vec<u8>]) -> Vec<u8> {
     let bytes: usize = parts.iter().map(|part| part.len() + 1).sum();
     let mut text = Vec::with_capacity(head.len() + bytes + 1);

@@ -34,7 +34,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     }
 }
 
-/// A short body of JSON that must arrive soon: strangers cannot keep much memory here, nor keep it long.
+/// A short body of JSON that must arrive soon: unauthenticated clients cannot occupy much memory, nor for long.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Small<T>(pub(crate) T);
 
@@ -57,8 +57,8 @@ impl<T: DeserializeOwned> FromRequest<Arc<ServerState>> for Small<T> {
     }
 }
 
-/// Refuses a body that announces too large a size. One that is a little too large is read to its end and discarded: a client
-/// that is still sending when the connection is closed never sees the answer.
+/// Refuses a body whose announced size is too large. A body that is slightly too large is read and discarded, because a client
+/// that is still sending when the connection is closed never sees the response.
 async fn not_too_large(request: Request, bytes_max: usize) -> Result<Request, Failure> {
     let length = request.headers().get(CONTENT_LENGTH).and_then(|length| length.to_str().ok());
     let length = length.and_then(|length| length.parse().ok()).unwrap_or(0);
@@ -153,7 +153,7 @@ mod tests {
     use std::time::Duration;
     use tokio::time::{Instant, sleep};
 
-    /// The result for a body in pieces that arrive one second apart.
+    /// The result for a body whose parts arrive at intervals of one second.
     async fn check(piece: &'static [u8]) -> (u16, u64) {
         let place = tempfile::tempdir().unwrap();
         let settings = Settings::new(place.path().join("state"), place.path().join("runs"));

@@ -1,4 +1,4 @@
-//! A request that cannot be served, as an answer: what, where, and the way out. The one place that maps reasons to HTTP
+//! Responses to failed requests: what failed, where, and a remedy. The only place that maps reasons to HTTP
 //! statuses.
 
 use axum::Json;
@@ -7,7 +7,7 @@ use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use rafcon_protocol::api::Refusal;
 
-/// The answer to a request that failed.
+/// The response to a failed request.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct Failure {
@@ -24,7 +24,7 @@ pub enum Reason {
     Bad,
     /// The server does not know who sent the request.
     Unauthorized,
-    /// The sender may not do this.
+    /// The sender lacks a right.
     Forbidden,
     /// The request names something that does not exist.
     NotFound,
@@ -32,7 +32,7 @@ pub enum Reason {
     WrongMethod,
     /// The request conflicts with the current state.
     Conflict,
-    /// The request is larger than the server takes.
+    /// The request is larger than the limit.
     TooLarge,
     /// The request was meant for another server.
     WrongHost,
@@ -47,7 +47,7 @@ pub enum Reason {
 }
 
 impl Failure {
-    /// A refusal with a reason, a stable code and a sentence for people.
+    /// A failure with a reason, a stable code and a message for people.
     pub fn new(reason: Reason, code: &'static str, message: impl Into<String>) -> Self {
         Self { reason, code, message: message.into(), header: None }
     }

@@ -30,8 +30,7 @@ impl Gate {
         Self { inside: places(INSIDE), turns: places(at_once) }
     }
 
-    /// Runs the work when a slot is free. Refuses if too many jobs wait. The work keeps its slot to its end, even if the caller
-    /// goes away.
+    /// Runs the work when a slot is free. Refuses if too many jobs wait. The work keeps its slot to its end, even if the caller goes away.
     pub(crate) async fn work<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> Result<T, Failure> + Send + 'static,

@@ -1,4 +1,4 @@
-//! All routes as one, and their description.
+//! Combines all routes and their description.
 
 use crate::access::{self, guarded};
 use crate::{Failure, ServerState, description, history, page, projects, runs, socket};
@@ -12,7 +12,7 @@ use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// Every route; each part of the server brings its own.
+/// The routes of all parts of the server.
 fn all() -> OpenApiRouter<Arc<ServerState>> {
     OpenApiRouter::with_openapi(description::head())
         .routes(routes!(health))
@@ -35,7 +35,7 @@ pub fn router(server: Arc<ServerState>) -> Router {
     guarded(router.fallback(nowhere), &server).with_state(server)
 }
 
-/// The description of every route, as it is served under `/api/v1/openapi.json`.
+/// The description of all routes, as served at `/api/v1/openapi.json`.
 pub fn openapi() -> OpenApi {
     description::complete(all().into_openapi())
 }

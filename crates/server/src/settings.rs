@@ -16,13 +16,13 @@ pub const USUAL_PORT: u16 = 4747;
 /// Configuration of a server.
 #[derive(Debug, Clone)]
 pub struct Settings {
-    /// Folders with machines: the only places that requests may read and write.
+    /// Folders with machines. Requests may read and write only there.
     pub projects: Vec<PathBuf>,
     /// The server's own folder: token, users, certificate, drafts.
     pub state: PathBuf,
-    /// The folder with one folder for each run.
+    /// The folder that contains one folder per run.
     pub runs: PathBuf,
-    /// Library roots by name, before those of the configuration.
+    /// Library roots by name, which precede those of the configuration.
     pub libraries: Vec<(String, PathBuf)>,
     /// The reference's `config.yaml`, or a folder with it. `None`: the default location of the reference.
     pub config: Option<PathBuf>,
@@ -30,7 +30,7 @@ pub struct Settings {
     pub python: Option<PathBuf>,
     /// Environment in which interpreter and extension are searched.
     pub surroundings: ProgramEnvironment,
-    /// After how much silence of a holder of control someone else may take over.
+    /// Silence of a holder of control after which another user may take over.
     pub control_silence: Duration,
     /// Looks up a variable of the environment, for paths in the configuration.
     pub variable: fn(&str) -> Option<String>,
@@ -46,7 +46,7 @@ pub struct Settings {
     pub access: Access,
 }
 
-/// Reason why a request to a robot was not taken, in words.
+/// Reason why a request to a robot was not accepted, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NotTaken {
     /// The station does not receive this robot.
@@ -55,7 +55,7 @@ pub enum NotTaken {
     Full(String),
 }
 
-/// Reason why the planned contacts with a robot are not known or not stored, in words.
+/// Reason why the planned contacts with a robot are unavailable or not stored, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ContactsFault {
     /// The station does not receive this robot.
@@ -64,14 +64,14 @@ pub enum ContactsFault {
     Storage(String),
 }
 
-/// Reason why the command list of a robot is not known, not set or not released, in words.
+/// Reason why the command list of a robot is unavailable, not stored or not released, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CommandListFault {
     /// The station does not receive this robot.
     NotReceived(String),
     /// The file cannot be used, or the station does not answer.
     Unavailable(String),
-    /// The list is another one than the one that was reviewed.
+    /// The list has changed since it was reviewed.
     Changed(String),
     /// The list is empty, or commands have faults. None was sent.
     Faulty(String),
@@ -129,11 +129,11 @@ pub trait Robots: fmt::Debug + Send + Sync {
 /// Address, names and limits of a server's listener.
 #[derive(Debug, Clone)]
 pub struct Listen {
-    /// Address and port; port 0: any that is free.
+    /// Address and port; port 0 selects a free one.
     pub address: SocketAddr,
     /// Other names of this computer, besides its address. They are valid with every port.
     pub hosts: Vec<String>,
-    /// Path below which a reverse proxy offers the server.
+    /// Path of the server at a reverse proxy.
     pub base_path: BasePath,
     /// Reverse proxies whose headers about browsers are trusted.
     pub proxies: Vec<IpAddr>,
@@ -149,7 +149,7 @@ pub struct Listen {
     pub write_limit: Duration,
 }
 
-/// Path below which a reverse proxy offers the server: empty, or such as `/robot`, without a slash at its end.
+/// Path of the server at a reverse proxy: empty, or such as `/robot`, without a trailing slash.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct BasePath(String);
 
@@ -157,7 +157,7 @@ impl BasePath {
     /// The maximum length in bytes.
     const MAX: usize = 200;
 
-    /// From a text with or without slashes around it; `None` if it is no path.
+    /// Parses a text with or without slashes around it. `None` if it is not a valid path.
     pub fn parse(text: &str) -> Option<Self> {
         let path = text.strip_prefix('/').unwrap_or(text);
         let path = path.strip_suffix('/').unwrap_or(path);
@@ -196,7 +196,7 @@ pub struct HashCost {
 }
 
 impl Settings {
-    /// A server on the usual port of the loopback, without projects.
+    /// A server on the default port of the loopback, without projects.
     pub fn new(state: PathBuf, runs: PathBuf) -> Self {
         Self {
             projects: Vec::new(),

@@ -15,7 +15,7 @@ use rafcon_protocol::api::ServerStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
 
-/// The server's parts, one of each.
+/// All parts of the server.
 #[derive(Debug)]
 pub struct ServerState {
     pub(crate) settings: Settings,
@@ -31,7 +31,7 @@ pub struct ServerState {
     pub(crate) news: ChangeCounters,
     /// Access to recorded runs.
     pub(crate) history: History,
-    /// The folders with machines, and the libraries.
+    /// Folders with machines, and the libraries.
     pub(crate) projects: Projects,
     /// Open machines and their sessions.
     pub(crate) documents: Documents,
@@ -122,7 +122,7 @@ impl ServerState {
         format!("rafcon_{}", self.names().port)
     }
 
-    /// The header that stores the secret of a login in a browser, for the pages of this server at this address only.
+    /// Value of the header that stores a login's secret in a browser, for the pages of this server at this address only.
     pub(crate) fn set_cookie(&self, secret: &str, outer: &OuterAddress) -> String {
         let is_secure = outer.is_secure.unwrap_or(self.names().is_secure);
         let secure = if is_secure { "; Secure" } else { "" };
@@ -135,7 +135,7 @@ impl ServerState {
         self.closing.subscribe()
     }
 
-    /// The server is about to end.
+    /// Signals the shutdown to all connections.
     pub(crate) fn close(&self) {
         self.closing.send_replace(true);
     }

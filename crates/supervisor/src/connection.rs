@@ -85,8 +85,7 @@ pub fn connect(folder: &Path) -> Result<UnixStream, JoinError> {
         })
 }
 
-/// Connects like [`connect`]. A runner that has just started does not listen yet, so it retries for 10 s while the runner
-/// lives.
+/// Connects like [`connect`]. A runner that has just started does not listen yet, so it retries for 10 s while the runner lives.
 pub fn connect_once_listening(folder: &Path) -> Result<UnixStream, JoinError> {
     connect_while(folder, || {
         let is_starting = matches!(writer_of(folder), Ok(Some(_)));

@@ -99,8 +99,7 @@ fn listed(places: &[PathBuf]) -> String {
     lines.join("\n")
 }
 
-/// Finds the extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or at
-/// `RAFCON_EXTENSION`.
+/// Finds the extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or at `RAFCON_EXTENSION`.
 pub fn find_extension(surroundings: &ProgramEnvironment) -> Result<PathBuf, NoExtension> {
     let places = places(surroundings);
     if let Some(found) = places.iter().find(|place| place.is_file()) {

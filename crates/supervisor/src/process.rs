@@ -3,9 +3,9 @@
 //! The runner leads its own process group, so that neither Ctrl-C nor a closed terminal affects it. It inherits only one end of a
 //! socket pair.
 //!
-//! With a terminal, it inherits a standard input that is a file or a pipe. It does not inherit the terminal, because the kernel would
+//! If the caller has a terminal, the runner inherits a standard input that is a file or a pipe, but not the terminal: the kernel would
 //! stop a background group that reads from it. It writes to pipes, which the runner itself reads and logs during the run. The
-//! caller reads them after the end of the control connection. A *detached* runner shares no resource with the caller: it has no
+//! caller reads them after the end of the control connection. A *detached* runner depends on nothing that ends with the caller: it has no
 //! input, and writes to a file that is locked while any of its processes can write to it.
 
 use crate::{
@@ -101,7 +101,7 @@ impl Start {
         Ok(Self { interpreter, extension: find_extension(surroundings)? })
     }
 
-    /// Starts a runner with a terminal. `has_keys` means that its user can answer questions.
+    /// Starts a runner for a caller with a terminal. `has_keys` means that its user can answer questions.
     pub fn spawn(&self, has_keys: bool) -> Result<Process, StartError> {
         let stdin = if io::stdin().is_terminal() { Stdio::null() } else { Stdio::inherit() };
         self.start([stdin, Stdio::piped(), Stdio::piped()], has_keys)

@@ -1,5 +1,4 @@
-//! Decides whether a run whose runner died is resumed, and how, over its successive runners. Pure; shared by command line and
-//! server.
+//! Decides whether a run whose runner died is resumed, and how, over its successive runners. Pure; shared by command line and server.
 
 use crate::KeptRun;
 use rafcon_protocol::{Crash, Launch, OnCrash, Resume};

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Number of attempts to find a name for a new folder.
 const TRIES: u16 = 100;
 
-/// The folder with one folder for each run.
+/// The folder that contains one folder per run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Runs {
     folder: PathBuf,
@@ -107,8 +107,7 @@ impl Runs {
         fs::DirBuilder::new().recursive(true).mode(0o700).create(&self.folder)
     }
 
-    /// Makes the folder of a new run of the machine with this name, readable for its owner only. Its name survives a power
-    /// cut.
+    /// Makes the folder of a new run of the machine with this name, readable for its owner only. Its name survives a power cut.
     pub fn make(&self, machine: &str) -> Result<PathBuf, MakeError> {
         let folder = &self.folder;
         let unmade = |source| MakeError::Runs { folder: folder.clone(), source };

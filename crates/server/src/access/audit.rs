@@ -89,8 +89,7 @@ impl Audit {
         self.note_at(since_1970_ms(), user, what, about);
     }
 
-    /// Records an action that `of` can repeat at will. Repetitions beyond a rate are only counted, and the next line includes the
-    /// count.
+    /// Records an action that `of` can repeat at will. Repetitions beyond a rate are only counted, and the next line includes the count.
     pub(super) fn note_often(&self, of: &str, user: &str, what: &str, about: &str) {
         let now_ms = since_1970_ms();
         match self.recent_notes.lock().may(&format!("{what} {of}"), now_ms) {

@@ -26,7 +26,7 @@ pub(crate) struct Peer {
 }
 
 impl Peer {
-    /// The client at this address, which reached the server at its own one.
+    /// The client at the address `peer`, on a connection to the server's address `own`.
     pub(crate) fn of(peer: SocketAddr, own: Option<SocketAddr>) -> Self {
         let ip = peer.ip().to_canonical();
         let is_own = own.is_some_and(|own| own.ip().to_canonical() == ip);
@@ -42,7 +42,7 @@ impl<S: Sync> FromRequestParts<S> for Peer {
     }
 }
 
-/// Number of connections at a time.
+/// Limits on the number of open connections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Capacity {
     /// Limit for all connections.
@@ -59,7 +59,7 @@ impl Capacity {
     }
 }
 
-/// The answer to a request whose sender is not known.
+/// The refusal of a request whose source is unknown.
 pub(super) fn from_nowhere() -> Failure {
     let message = "it is not known where this request comes from: use the server's port";
     Failure::forbidden("from_nowhere", message)
@@ -125,7 +125,7 @@ impl ConnectionSlots {
         Some((Arc::new(ConnectionSlot { number, places: self.clone() }), lost))
     }
 
-    /// Limit for the network of this client.
+    /// Maximum number of connections from the network of this client.
     fn most_of_network(&self, peer: Peer) -> usize {
         let all = self.capacity.all;
         if peer.is_near { all } else { (all / PART).max(1) }

@@ -233,7 +233,7 @@ mod tests {
         Token { user, name, role, made_ms: 1, expires_ms, digest }
     }
 
-    /// A little language: one change a line, and the result of each.
+    /// Applies one change per line, and prints the results.
     fn check(script: &str, expected: &Expect) {
         let mut roster = Roster::default();
         let role = |word: &str| serde_json::from_str(&format!("\"{word}\"")).unwrap();
@@ -365,12 +365,12 @@ mod tests {
         }
         let refused = add(&mut roster, TOKENS_MAX, token("owner", Role::Viewer, None));
         assert_eq!(refused, Err(RosterError::TooMany("owner".to_owned())));
-        // Others have their own.
+        // The limit is per user.
         roster.add("anna", entry(Role::Viewer)).unwrap();
         add(&mut roster, TOKENS_MAX, token("anna", Role::Viewer, None)).unwrap();
         roster.remove_token("7", None).unwrap();
         add(&mut roster, 7, token("owner", Role::Viewer, None)).unwrap();
-        // Those that have expired make room.
+        // Expired tokens are removed to make room.
         let late = Token { made_ms: 9, ..token("owner", Role::Viewer, None) };
         add(&mut roster, TOKENS_MAX + 1, late).unwrap();
         assert_eq!(roster.tokens(Some("owner")).len(), 2);

@@ -79,9 +79,9 @@ async fn log_out(State(server): State<Arc<ServerState>>, who: Who) -> Result<Sta
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Changes one's own password.
+/// Changes the user's own password.
 ///
-/// The user's other logins end. Tokens stay.
+/// The user's other logins end. Tokens stay valid.
 #[utoipa::path(put, path = "/api/v1/session/password", tag = "people", request_body = ChangePassword, responses(
     (status = 204, description = "Changed"),
     (status = 400, description = "The body does not fit, or the new password is too short", body = Refusal),
@@ -141,7 +141,7 @@ async fn make_token(
     Ok((StatusCode::CREATED, Json(made)))
 }
 
-/// Deletes a token: one's own, or as an admin anyone's.
+/// Deletes a token of the user, or for an admin any token.
 #[utoipa::path(delete, path = "/api/v1/tokens/{token}", tag = "people",
     params(("token" = String, Path, description = "The token's id")),
     responses(

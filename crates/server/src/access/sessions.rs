@@ -167,7 +167,7 @@ mod tests {
         let file = place.path().join("sessions.json");
         let sessions = Sessions::open(file.clone()).unwrap();
         let (before, _) = sessions.begin("anna", 1, 0).unwrap();
-        // No file can be written beside it.
+        // A folder with the name of the temporary file makes the write fail.
         let staged = file.with_extension(format!("new-{}", std::process::id()));
         std::fs::create_dir(staged).unwrap();
         let (secret, _) = sessions.begin("anna", 1, 0).unwrap();

@@ -168,7 +168,7 @@ mod tests {
         let long = "p".repeat(BYTES_MAX);
         let add = |name, password: &str| users.add(name, Role::Viewer, password);
         assert!(matches!(add("anna", &format!("{long}p")), Err(UsersError::BadPassword)));
-        // Bytes count, not characters.
+        // The limit is in bytes, not in characters.
         assert!(matches!(add("anna", &"ä".repeat(BYTES_MAX)), Err(UsersError::BadPassword)));
         add("anna", &long).unwrap();
         let token = |characters: usize| {

@@ -1,5 +1,4 @@
-//! Publishes status, revision and viewers of an open machine. Knows the listeners; does not know files or edits. Nothing here
-//! blocks.
+//! Publishes status, revision and viewers of an open machine. Knows the listeners; does not know files or edits. Nothing here blocks.
 
 use rafcon_locks::Mutex;
 use rafcon_protocol::api::{MachineStatus, MachineSummary, Presence};

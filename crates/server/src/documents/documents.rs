@@ -88,7 +88,7 @@ impl Documents {
         self.sessions.lock().values().map(|session| session.folder()).collect()
     }
 
-    /// The open machine of this name.
+    /// The session with this id.
     pub(crate) fn session(&self, id: &str) -> Result<Arc<MachineSession>, Failure> {
         self.sessions.lock().get(id).cloned().ok_or_else(|| closed(id))
     }

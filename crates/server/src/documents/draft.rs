@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// Name of the file with the lines.
 pub(super) const OPERATIONS: &str = "operations.jsonl";
-/// The format of the lines; the first one had no `saving`.
+/// The format of the lines. The first format had no `saving`.
 const FORMAT: u32 = 2;
 
 /// The first line of a draft.
@@ -83,7 +83,7 @@ struct DraftFile {
     sync: GroupSync,
 }
 
-/// A draft that an earlier server left behind.
+/// A draft of an earlier server.
 #[derive(Debug)]
 pub(super) struct FoundDraft {
     pub(super) head: DraftHeader,
@@ -344,7 +344,7 @@ mod tests {
         assert!(find(&place.path().join("draft")).unwrap().is_none());
     }
 
-    /// Without the document no line can be made again once the machine's files are others.
+    /// Without the base document, no line can be replayed once the machine's files have changed.
     #[test]
     fn what_a_draft_begins_with_lies_there_before_its_first_line() {
         let place = tempfile::tempdir().unwrap();
@@ -374,7 +374,7 @@ mod tests {
         assert_eq!((path("draft").exists(), path("moved").exists()), (false, false));
     }
 
-    /// A line that was cut off was never answered: it is removed.
+    /// A truncated line was never acknowledged, so it is removed.
     #[test]
     fn a_cut_line_goes_and_the_next_one_is_whole() {
         let place = tempfile::tempdir().unwrap();

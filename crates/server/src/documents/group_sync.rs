@@ -57,7 +57,7 @@ mod tests {
     use std::sync::atomic::{AtomicU32, Ordering};
     use std::sync::mpsc::sync_channel;
 
-    /// Every write is synced after it was written, also if it happens while a sync runs or fails.
+    /// Every write is followed by a sync, also if it happens while a sync runs or fails.
     #[test]
     fn everything_that_was_written_is_synced() {
         let written = Arc::new(AtomicU32::new(0));

@@ -1,5 +1,4 @@
-//! Merges layouts that several users changed: an undo reverts a step element by element, so that later moves of others stay.
-//! Pure.
+//! Merges layouts that several users changed: an undo reverts a step element by element, so that later moves of others stay. Pure.
 
 use rafcon_model::edit::{Edit, Field, Set};
 use rafcon_model::{Json, Layout, Machine, StatePath};

@@ -1,5 +1,4 @@
-//! Places that a step changed, and conflicts with later steps of others. Pure: knows only the inverse steps of the model's
-//! edits.
+//! Places that a step changed, and conflicts with later steps of others. Pure: knows only the inverse steps of the model's edits.
 
 use rafcon_model::edit::{Edit, Field, Set, Step};
 use rafcon_model::{DataFlowId, OutcomeId, PortId, PortKind, StateId, StatePath, TransitionId};

@@ -1,5 +1,4 @@
-//! Recovers a machine from its files and the draft of a server that crashed. Knows drafts and the replay of operations, but
-//! not the client.
+//! Recovers a machine from its files and the draft of a server that crashed. Knows drafts and the replay of operations, but not the client.
 
 use super::disk::{OnDisk, content};
 use super::draft::{

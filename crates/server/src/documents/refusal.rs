@@ -1,5 +1,4 @@
-//! Refusals of operations on an open machine. Knows the rules of concurrent editing, and maps each refusal to its HTTP
-//! response.
+//! Refusals of operations on an open machine. Knows the rules of concurrent editing, and maps each refusal to its HTTP response.
 
 use crate::Failure;
 use rafcon_model::edit::EditError;

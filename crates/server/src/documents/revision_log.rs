@@ -1,6 +1,5 @@
 //! The log of revisions of an open machine. A revision has its author, its inverse, the resulting machine and the text for clients.
-//! The log derives each user's undo and redo, the tree of steps, and the revisions that a reader has not seen.
-//! Pure.
+//! The log derives each user's undo and redo, the tree of steps, and the revisions that a reader has not seen. Pure.
 //!
 //! A node of the tree is a revision whose machine differs from those of all earlier revisions. Its parent is the node of the
 //! previous revision.

@@ -30,8 +30,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// Lists the events of a run.
 ///
-/// A page may hold fewer events than requested, even none, without being the last: continue from `next` until it exceeds
-/// `last`.
+/// A page may hold fewer events than requested, even none, without being the last: continue from `next` until it exceeds `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/events", tag = "history",
     params(("run" = String, Path, description = "The run's id"), EventQuery),
     responses(
@@ -84,7 +83,7 @@ pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
     Err(Failure::bad("bad_count", message))
 }
 
-/// The first event to examine: none before the requested time.
+/// The first event to examine, according to cursor and start time.
 fn first(reader: &mut Reader, query: &EventQuery) -> Result<u64, Failure> {
     match query.since_ms {
         Some(ms) => Ok(reader.first_at(nanos(ms))?.max(query.from)),

@@ -1,5 +1,4 @@
-//! Large values that are on a robot but not at its station: their cost and their transfer. Knows journals; does not know the
-//! link.
+//! Large values that are on a robot but not at its station: their cost and their transfer. Knows journals; does not know the link.
 
 use super::moments::value;
 use super::{Json, folder, read};

@@ -1,5 +1,4 @@
-//! A run's journal from a cursor on, as text that is ready to send: for clients that follow a run and lag behind the events in
-//! memory.
+//! A run's journal from a cursor on, as text that is ready to send: for clients that follow a run and lag behind the events in memory.
 //!
 //! Knows journals. Does not know the clients, nor the arrival of new events.
 
@@ -37,7 +36,7 @@ impl HistoryReader {
         Self { readers: Arc::clone(&history.readers), folder: folder.to_owned(), values }
     }
 
-    /// The events from number `from` on: at most `count`, and no more once they exceed `bytes`. `next` equals `from` if there are
+    /// The events from number `from` on: at most `count`, and no more once they reach `bytes`. `next` equals `from` if there are
     /// no new events.
     pub(crate) async fn page(
         &self,
@@ -111,7 +110,7 @@ mod tests {
         place R/A "Root/Scan" script in a out b outcome ok
     "#;
 
-    /// A run of many rounds, of which the last is in no database.
+    /// A run of many rounds, the last of which is not in the database.
     fn run(folder: &Path, rounds: usize) -> Reader {
         let options = Options { recorder_bytes: 1 << 18, ..Options::default() };
         let journal = Journal::create(folder, &About::default(), &options).unwrap();

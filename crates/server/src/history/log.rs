@@ -23,8 +23,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// Lists the log lines of a run.
 ///
-/// A page may hold fewer lines than requested, even none, without being the last: continue from `next` until it exceeds
-/// `last`.
+/// A page may hold fewer lines than requested, even none, without being the last: continue from `next` until it exceeds `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/log", tag = "history",
     params(("run" = String, Path, description = "The run's id"), LogQuery),
     responses(

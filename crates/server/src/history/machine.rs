@@ -234,7 +234,7 @@ mod tests {
         Which { folder, hash: Hash([0; 32]), library: None }
     }
 
-    /// Keeps documents of these sizes one after the other; returns the places of those that stay.
+    /// Caches documents of these sizes in order. Returns the indices of those that remain.
     fn stay(sizes: &[usize]) -> Vec<usize> {
         let machines = Machines::default();
         for (nth, size) in sizes.iter().enumerate() {

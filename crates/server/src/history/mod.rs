@@ -38,7 +38,7 @@ use window::Outlines;
 pub(crate) struct History {
     /// Open journals, shared by all readers.
     readers: Arc<Readers>,
-    /// Machines that runs have kept.
+    /// Cached machines of runs.
     machines: Arc<Machines>,
     /// Cached figures of runs.
     figures: Arc<Figures>,

@@ -120,8 +120,7 @@ async fn overview(
 
 /// Finds a text in the names of entered states, in outcomes and in log lines.
 ///
-/// A page may hold fewer hits than requested, even none, without being the last: continue from `next` until it exceeds
-/// `last`.
+/// A page may hold fewer hits than requested, even none, without being the last: continue from `next` until it exceeds `last`.
 #[utoipa::path(get, path = "/api/v1/runs/{run}/hits", tag = "history",
     params(("run" = String, Path, description = "The run's id"), HitQuery),
     responses(

@@ -8,7 +8,7 @@ use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 
-/// Its name in the server's folder.
+/// Name of the file in the server's folder.
 const FILE: &str = "server.json";
 /// File that a running server keeps locked.
 pub(super) const LOCK: &str = "server.lock";
@@ -16,7 +16,7 @@ pub(super) const LOCK: &str = "server.lock";
 /// Address and process of a running server.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AddressFile {
-    /// Scheme, name and port.
+    /// URL of the server: scheme, name and port.
     pub url: String,
     /// Id of the server's process.
     pub pid: u32,

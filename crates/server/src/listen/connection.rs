@@ -1,5 +1,4 @@
-//! Connections of clients, limited in number, and each with a time limit for a request's head. Knows streams; does not know the
-//! requests.
+//! Connections of clients, limited in number, and each with a time limit for a request's head. Knows streams; does not know the requests.
 
 use super::paced::Paced;
 use crate::access::{BasePrefix, Capacity, ConnectionSlot, ConnectionSlots, Peer};

@@ -56,7 +56,7 @@ pub enum ServeError {
     /// One of its files cannot be read or written.
     #[error(transparent)]
     Private(#[from] PrivateError),
-    /// One of its parts cannot begin.
+    /// One of its parts cannot start.
     #[error(transparent)]
     ServerState(#[from] ServerStateError),
     /// Another server holds the lock of the folder.

@@ -1,5 +1,4 @@
-//! TLS identity of the server. The certificate is made on first use and stored, so that a fingerprint needs to be verified only
-//! once.
+//! TLS identity of the server. The certificate is made on first use and stored, so that a fingerprint needs to be verified only once.
 
 use super::names;
 use crate::access::hex;

@@ -115,7 +115,7 @@ mod tests {
     use expect_test::{Expect, expect};
     use std::os::unix::fs::symlink;
 
-    /// A project with folders, links inside and out, and a file; and where it lies.
+    /// A project with folders, links inside and to the outside, and a file. Also returns its folder.
     fn project() -> (tempfile::TempDir, PathBuf) {
         let place = tempfile::tempdir().unwrap();
         let home = place.path().canonicalize().unwrap().join("project");

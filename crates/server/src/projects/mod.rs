@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// Maximum number of parallel searches through all folders.
 const SEARCHES: usize = 2;
 
-/// The projects, in the order in which they were given.
+/// The projects, in the order of the settings.
 #[derive(Debug, Default)]
 pub(crate) struct Projects {
     known: Vec<Project>,

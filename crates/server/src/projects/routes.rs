@@ -70,7 +70,7 @@ async fn project_tree(
     at.projects.looks().work(look).await
 }
 
-/// The library roots with what lies below them.
+/// The library roots with the libraries below them.
 #[utoipa::path(get, path = "/api/v1/libraries", tag = "files", responses(
     (status = 200, description = "In the order in which they count", body = [LibraryRoot]),
     (status = 429, description = "Too many ask for the like at the moment", body = Refusal),

@@ -113,7 +113,7 @@ mod tests {
     use std::fmt::Write as _;
     use std::os::unix::fs::symlink;
 
-    /// A project of folders and, with a `!` behind them, machines.
+    /// A project of folders; a trailing `!` marks a machine.
     fn project(paths: &[&str]) -> tempfile::TempDir {
         let project = tempfile::tempdir().unwrap();
         for path in paths {

@@ -155,7 +155,7 @@ mod tests {
     use std::fs;
     use std::path::PathBuf;
 
-    /// A project may be someone's home, with millions of folders in which no machine is.
+    /// A project may be a home folder, with millions of folders without machines.
     #[test]
     fn a_search_ends_also_where_no_machines_are() {
         let place = tempfile::tempdir().unwrap();

@@ -10,8 +10,7 @@ const INSTALLED: &str = ".colcon_install_layout";
 /// File with the name of the program that built a workspace. It is beside the install folder, so a project cannot contain it.
 const BUILT_BY: &str = "build/.built_by";
 
-/// The folders outside of a project to which its links may lead: sources and builds of the workspace from which it is
-/// installed.
+/// The folders outside of a project to which its links may lead: sources and builds of the workspace from which it is installed.
 pub(super) fn sources(project: &Path) -> Vec<PathBuf> {
     let installed = project.ancestors().find(|folder| folder.join(INSTALLED).is_file());
     let Some(workspace) = installed.and_then(Path::parent) else { return Vec::new() };

@@ -101,7 +101,7 @@ mod tests {
         let keep = |some: &[Hash]| known.keep(some.iter().map(|hash| (*hash, Facts::default())));
         keep(&all[..KEPT_MAX]);
         assert_eq!(known.0.lock().len(), KEPT_MAX);
-        // All of them are read again when they are needed.
+        // All of them are parsed again when needed.
         keep(&all[KEPT_MAX..]);
         assert_eq!(known.0.lock().keys().copied().collect::<Vec<_>>(), all[KEPT_MAX..]);
     }

@@ -64,7 +64,7 @@ pub(super) async fn carry_out(
     }
 }
 
-/// Requests a robot to start a machine of its projects.
+/// Asks a robot to start a machine of its projects.
 pub(super) async fn start(
     server: &ServerState,
     who: &Who,

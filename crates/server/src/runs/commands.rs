@@ -1,5 +1,4 @@
-//! Commands of runs: authorization, delivery to the runner, and replies. Knows rights, control and links, but not the effect of a
-//! command.
+//! Commands of runs: authorization, delivery to the runner, and replies. Knows rights, control and links, but not the effect of a command.
 
 use super::control::GivenCommand;
 use super::folder_files::key;
@@ -70,7 +69,7 @@ fn is_commanded(run: &Run) -> bool {
     run.is_live() || (run.link().is_some() && !is_finished)
 }
 
-/// Takes control for the first user who commands. Denies users other than the holder.
+/// Gives control to the first user who commands, and denies users other than the holder.
 pub(super) fn take(
     server: &ServerState,
     run: &Arc<Run>,

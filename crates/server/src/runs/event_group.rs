@@ -11,7 +11,7 @@ use std::sync::{Arc, OnceLock};
 pub(crate) struct EventGroup {
     /// Number of the first event.
     pub(super) first: u64,
-    /// Number after the last event.
+    /// Number of the event after the last one.
     pub(super) next: u64,
     /// Time of the event before the first.
     pub(super) t_before: u64,

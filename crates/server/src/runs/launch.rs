@@ -41,7 +41,7 @@ pub(super) enum LaunchError {
     /// The request could not be sent to it.
     #[error(transparent)]
     Begin(#[from] BeginError),
-    /// The machine could not be loaded.
+    /// The runner could not load the machine.
     #[error("{0}")]
     Load(String),
     /// It exited before the run began.

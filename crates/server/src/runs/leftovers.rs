@@ -31,7 +31,7 @@ pub(super) fn tail(folder: &Path, bytes: u64) -> Result<RunOutput, Failure> {
     }
 }
 
-/// The last line of a file that is not blank. Empty if it has none.
+/// The last non-blank line of a file. Empty if it has none.
 pub(super) fn last_line(file: &Path) -> String {
     let text = read(file, USUAL_BYTES).map(|output| output.text).unwrap_or_default();
     text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or_default().to_owned()

@@ -273,7 +273,7 @@ mod tests {
         note("three");
         assert_eq!(sent(&mut first), "two three");
         drop(first);
-        // It fails while the connection ends, and waits.
+        // A note fails while the connection ends, and then waits.
         note("four");
         runner.disconnect();
         assert_eq!(sent(&mut connect()), "four");

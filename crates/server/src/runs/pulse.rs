@@ -1,5 +1,4 @@
-//! Detects runners that hang. An idle runner sends no messages by itself, so the server pings it while the run has
-//! onlookers.
+//! Detects runners that hang. An idle runner sends no messages by itself, so the server pings it while the run has onlookers.
 //!
 //! Knows pings, replies and the number of onlookers. Does not know other messages, nor the clients.
 

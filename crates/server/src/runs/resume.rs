@@ -43,7 +43,7 @@ fn request(run: &Run, who: &Who, asked: ResumeRun) -> ResumeRequest {
     ResumeRequest { run, user, asked, expiry_ms: None }
 }
 
-/// Requests the robot of a replica to resume its run. The robot decides.
+/// Asks the robot of a replica to resume its run. The robot decides.
 async fn by_robot(
     server: &ServerState,
     who: &Who,
@@ -63,7 +63,7 @@ async fn by_robot(
     Ok(run.summary())
 }
 
-/// The code of a request whose validity ended before it was carried out.
+/// The code of a request that expired before it was performed.
 pub(super) const EXPIRED: &str = "expired";
 
 /// Resumes a local run.

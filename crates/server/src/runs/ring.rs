@@ -122,7 +122,7 @@ impl Ring {
         self.tell(last);
     }
 
-    /// Drops all events up to number `last`, because the journal contains them.
+    /// Empties the ring, because the journal contains all events up to number `last`.
     pub(super) fn settle(&self, last: u64) {
         let mut kept = self.kept.lock();
         let next = kept.next.max(last + 1);
@@ -232,7 +232,7 @@ mod tests {
     };
     use std::sync::Arc;
 
-    /// A block of items, the first event of which has this number.
+    /// A block of items whose first event has this number.
     fn block(first: u64, items: &[Item]) -> Vec<u8> {
         let (mut before, mut bytes, mut out) = (0, Vec::new(), Vec::new());
         for item in items {
@@ -261,7 +261,7 @@ mod tests {
         }
     }
 
-    /// The texts of all events, a line each.
+    /// The texts of all events, one per line.
     fn texts(ring: &Ring, values: bool) -> String {
         let EventsPage::Events(groups) = ring.read(1, 100) else { panic!("the ring has them") };
         let texts = groups.iter().flat_map(|group| group.texts(values));
@@ -392,7 +392,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a runner repeats or leaves out, a reader that turns to the journal where it must sees each event once.
+        /// Whatever a runner repeats or omits, a reader that uses the journal where needed sees each event once.
         #[test]
         fn a_reader_sees_every_number_once(pushed in prop::collection::vec(1..200_u64, 1..200)) {
             let ring = Ring::with_room(20 * (size_of::<super::EventGroup>() + 24), None);
@@ -413,7 +413,7 @@ mod tests {
             }
         }
 
-        /// A runner that sends any bytes is refused, and nothing else happens.
+        /// A runner that sends arbitrary bytes is refused without further effect.
         #[test]
         fn any_bytes_are_events_or_broken(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
             let ring = ring();

@@ -430,7 +430,7 @@ impl Run {
         self.now.borrow().run.robot.is_some()
     }
 
-    /// The robot of a replica.
+    /// Name of the robot, for a replica.
     pub(crate) fn robot(&self) -> Option<String> {
         self.now.borrow().run.robot.clone()
     }

@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(requests.0.lock().order.len(), REQUESTS_MAX);
         let known = |nth: usize| requests.0.lock().slots.contains_key(&format!("start/ana/{nth}"));
         assert_eq!([0, 1, 2, 3, 4].map(known), [true, false, false, false, true]);
-        // A second task with the id of the one under way waits for its end.
+        // A second task with the id of a request in progress waits for its end.
         let held = under_way.try_lock().unwrap();
         assert!(requests.get("start/ana/0").try_lock().is_err());
         drop(held);

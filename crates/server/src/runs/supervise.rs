@@ -28,8 +28,7 @@ const RECONNECT_MAX: Duration = Duration::from_secs(1);
 /// Timeout for the exit status of the server's own process, once it has released its run.
 const EXIT_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Reads a folder and publishes the result. `None` if it contains no run. A claimed run keeps the state that its supervisor
-/// has set.
+/// Reads a folder and publishes the result. `None` if it contains no run. A claimed run keeps the state that its supervisor has set.
 pub(super) async fn look(server: &Arc<ServerState>, folder: PathBuf) -> Option<Arc<Run>> {
     let (here, there) = (Arc::clone(server), folder.clone());
     let look = move || super::summary::look(&there, &here.projects);

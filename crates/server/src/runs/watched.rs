@@ -217,10 +217,10 @@ mod tests {
         assert_eq!(said(), (TOLD_MAX, 3));
         watched.take(Watching::default(), values(VALUES_MAX + 1));
         assert_eq!(said(), (TOLD_MAX, VALUES_MAX - TOLD_MAX));
-        // A newer one of a known value replaces it, also without room for others.
+        // A newer version of a known value replaces it, even if the table is full.
         watched.take(Watching::default(), vec![value("R/0", 2), value("R/new", 2)]);
         assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/0".to_owned(), 2)]);
-        // A shorter list of a client makes room.
+        // A shorter list of targets makes room.
         watched.set(1, Some(vec![target("R/new")]));
         watched.take(Watching::default(), vec![value("R/new", 3)]);
         assert_eq!(told(&watched, &["R/0", "R/new"]), [("R/new".to_owned(), 3)]);

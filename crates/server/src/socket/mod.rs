@@ -1,7 +1,6 @@
 //! The WebSocket: subscriptions to histories and statuses, commands and edits, over one connection.
 //!
-//! Knows frames, pace and capacity. Must never slow a runner down, nor buffer more for a slow client than one page per
-//! subscription.
+//! Knows frames, pace and capacity. Must never slow a runner down, nor buffer more for a slow client than one page per subscription.
 
 mod connection;
 mod feed;
@@ -27,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// The largest frame that is read, in bytes: an edit may bring a whole machine.
+/// Maximum size of a received frame, in bytes: an edit may contain a whole machine.
 const FRAME_BYTES_MAX: usize = 1 << 20;
 
 /// Size of a connection's read buffer, in bytes. It is small, because clients send little.

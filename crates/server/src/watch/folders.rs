@@ -147,7 +147,7 @@ mod tests {
     use super::*;
     use expect_test::{Expect, expect};
 
-    /// Makes folders (with a `!` behind them, machines), follows a plan, and shows what is watched.
+    /// Makes folders (a trailing `!` marks a machine), follows a plan, and prints the watched folders.
     struct Place {
         place: tempfile::TempDir,
         folders: Folders,

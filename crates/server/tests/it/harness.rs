@@ -1,5 +1,4 @@
-//! A real server in the test's process, on its own port, with temporary folders. Only this module knows its start and
-//! shutdown.
+//! A real server in the test's process, on its own port, with temporary folders. Only this module knows its start and shutdown.
 
 use rafcon_protocol::api::{NewToken, Role};
 use rafcon_server::access::Users;

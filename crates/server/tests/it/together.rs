@@ -1,4 +1,4 @@
-//! Two users edit one machine concurrently over their sockets, each on the basis of the revisions received so far. In the end both
+//! Two users edit one machine concurrently over their sockets, each on the basis of the revisions already received. In the end both
 //! users, the server and the files have equal machines.
 
 use crate::harness::{TestServer, name};

@@ -30,7 +30,7 @@ const ORDERED_MAX: usize = 3000;
 pub struct Planner<'p> {
     /// Libraries that contain the skills.
     pub libraries: &'p Libraries,
-    /// The interpreter of runs.
+    /// Python interpreter that also executes runs.
     pub python: &'p Interpreter,
     /// Environment in which the engine is searched.
     pub surroundings: &'p ProgramEnvironment,

@@ -10,7 +10,7 @@ use std::process::Command;
 
 /// Name of the environment variable of an engine and its descendants.
 const VARIABLE: &str = "RAFCON_ENGINE";
-/// Rounds of a search, because processes can start others while they are killed.
+/// Maximum number of rounds of a search: processes can start others while they are killed.
 const ROUNDS_MAX: usize = 20;
 
 /// The descendants of one engine.

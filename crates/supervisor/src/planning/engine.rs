@@ -1,5 +1,4 @@
-//! Engines by name, as command lines. `kairos` is a program. All others belong to unified-planning and run behind a bridge in
-//! Python.
+//! Engines by name, as command lines. `kairos` is a program. All others belong to unified-planning and run behind a bridge in Python.
 
 use crate::{Interpreter, ProgramEnvironment};
 use std::ffi::OsString;
@@ -9,8 +8,7 @@ use std::time::Duration;
 /// Name of the default engine.
 pub const DEFAULT_ENGINE: &str = "kairos";
 
-/// Runs a program that is killed, with its whole process group, when the caller exits or is killed: that closes the other end of its
-/// input.
+/// Runs a program that is killed, with its whole process group, when the caller exits or is killed: that closes the other end of its input.
 const WATCHED: &str =
     r#"exec 3<&0; { read -r _ <&3; kill -KILL 0; } >/dev/null 2>&1 & exec "$@" 3<&- </dev/null"#;
 /// Exit status of a shell that does not find the program.

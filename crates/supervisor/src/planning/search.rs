@@ -82,7 +82,7 @@ pub(super) enum SearchEnd {
     Impossible(String),
     /// No plan was found in time.
     NotFound(String),
-    /// The engine failed to run.
+    /// The search failed, for this reason.
     Failed(String),
     Cancelled,
 }

@@ -10,7 +10,7 @@ use rafcon_model::Machine;
 use rafcon_protocol::api::MachineProblem;
 use rafcon_storage::LoadProblem;
 
-/// Every rule that the machine breaks.
+/// All rules that the machine breaks.
 pub(super) fn rules(machine: &Machine) -> Vec<MachineProblem> {
     told(&of_rules_with_repairs(machine))
 }

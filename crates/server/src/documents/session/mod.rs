@@ -275,8 +275,7 @@ impl MachineSession {
         self.wires.leaves(connection);
     }
 
-    /// Appends a line to the draft. Writes the base document first, because the machine's files may change before the draft is
-    /// replayed.
+    /// Appends a line to the draft. Writes the base document first, because the machine's files may change before the draft is replayed.
     fn write_down(&self, draft: &mut Draft, line: &DraftLine) -> Result<(), Failure> {
         if !draft.is_begun() {
             // No operation was performed yet, so this is the loaded document. Opening has cached its JSON.

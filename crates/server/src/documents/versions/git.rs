@@ -59,8 +59,7 @@ impl GitFolder<'_> {
         ask(self.git(arguments), input, ChildLimits { patience: GIT_TIMEOUT, output }).await
     }
 
-    /// True if the repository exists and is completely inside the project. A file `.git`, a link or `commondir` may lead to another
-    /// one.
+    /// True if the repository exists and is completely inside the project. A file `.git`, a link or `commondir` may lead to another one.
     async fn find_repository(&self) -> Result<bool, ChildError> {
         let folders = ["rev-parse", "--path-format=absolute", "--git-dir", "--git-common-dir"];
         let said = self.ask(&folders, Vec::new(), 64 << 10).await?;
@@ -265,7 +264,7 @@ mod tests {
         };
         assert_eq!(read(FILES_MAX + 1, 0).await, "version_too_large");
         assert_eq!(read(2, BYTES_MAX + 1).await, "version_too_large");
-        // At the bound git is asked; this folder has none.
+        // At the limit git is started, but `programs` has none.
         assert_eq!(read(FILES_MAX, BYTES_MAX).await, "git_refused");
     }
 }
