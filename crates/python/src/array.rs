@@ -6,21 +6,21 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
 
-/// Kinds of numbers and truths, as `dtype.kind` names them.
+/// Kinds of numeric and boolean types, as in `dtype.kind`.
 const KINDS: &str = "biuf";
 
-/// What was taken of an array.
+/// Items sampled from an array.
 #[derive(Debug)]
 pub(crate) struct Sample<'py> {
-    /// Row by row.
+    /// In row-major order.
     pub(crate) items: Vec<Bound<'py, PyAny>>,
-    /// How many along each axis.
+    /// Number of sampled items along each axis.
     pub(crate) sampled: Vec<u64>,
-    /// How far apart along each axis.
+    /// Distance between sampled items along each axis.
     pub(crate) steps: Vec<u64>,
 }
 
-/// At most so many numbers of an array of this shape; none if it has no numbers or does not give them away.
+/// Samples at most `count_max` items of an array of this shape. `None` if the items are not numbers or cannot be read.
 pub(crate) fn sample<'py>(
     object: &Bound<'py, PyAny>,
     shape: &[u64],
@@ -43,7 +43,8 @@ pub(crate) fn sample<'py>(
     (items.len() == count).then_some(Sample { items, sampled, steps })
 }
 
-/// How far apart numbers are taken along each axis: as close as the longest axes leave room for, and all of the short ones.
+/// Distance between samples along each axis. Short axes are sampled fully; long ones share the largest cap that fits
+/// `count_max`.
 fn steps(shape: &[u64], count_max: u64) -> Vec<u64> {
     let fits = |cap: u64| {
         let counts = shape.iter().map(|size| (*size).min(cap));

@@ -1,5 +1,4 @@
-//! `rafcon._native.Document`: a machine, or a state that stands in none yet, while Python code builds it. Knows the model;
-//! never a run.
+//! `rafcon._native.Document`: a machine or an unplaced state, while Python code builds it. Knows the model, never a run.
 
 use crate::build_files::LibraryRoots;
 use crate::build_value::PythonTypes;
@@ -24,7 +23,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Document(Mutex<Content>);
 
-/// What is in a document, and where it was read or written last.
+/// Content of a document, and its file.
 #[derive(Debug)]
 pub(crate) struct Content {
     pub(crate) machine: Machine,
@@ -32,7 +31,7 @@ pub(crate) struct Content {
     pub(crate) libraries: Arc<Libraries>,
 }
 
-/// What one change consists of: verb, path, arguments.
+/// One change: verb, path, arguments.
 pub(crate) type Change<'py> = (String, String, Bound<'py, PyTuple>);
 
 impl Document {
@@ -41,7 +40,7 @@ impl Document {
         Self(Mutex::new(Content { machine, saved, libraries }))
     }
 
-    /// The machine as it is now, to be run.
+    /// The current machine, ready to run.
     pub(crate) fn built(&self, py: Python<'_>, libraries: &Arc<Libraries>) -> Built {
         let content = self.lock(py);
         let (machine, saved) = (content.machine.clone(), content.saved.clone());
@@ -64,7 +63,7 @@ impl Document {
         self.lock(py).machine.state(&path).cloned().ok_or_else(|| missing(&path))
     }
 
-    /// The content, waited for without the interpreter: whoever has it may need the interpreter.
+    /// Locks the content. Waits without the interpreter, because the holder of the lock may need it.
     pub(crate) fn lock(&self, py: Python<'_>) -> MutexGuard<'_, Content> {
         loop {
             match self.0.try_lock() {
@@ -94,7 +93,7 @@ impl Document {
         Ok(Self::alone(State::new(StateId::new(state_id), name, kind)))
     }
 
-    /// A new state that stands for a library, which has to be there, by its id and perhaps a name, else that of the library.
+    /// A new library state. The library must exist; its name is the default for the name of the state.
     #[staticmethod]
     fn library(
         roots: &LibraryRoots,
@@ -147,7 +146,7 @@ impl Document {
         fact(py, &*self.at(py, path)?, key)
     }
 
-    /// Whether the state at a path has a state with this id inside.
+    /// True if the state at a path has a child with this id.
     fn has_child(&self, py: Python<'_>, path: &str, id: &str) -> PyResult<bool> {
         let state = self.at(py, path)?;
         Ok(match &state.kind {
@@ -158,7 +157,7 @@ impl Document {
         })
     }
 
-    /// Whether the container at a path has a transition (or else a data flow) with this id.
+    /// True if the container at a path has a transition (or, for another `group`, a data flow) with this id.
     fn has_line(&self, py: Python<'_>, path: &str, group: &str, id: i64) -> PyResult<bool> {
         let state = self.at(py, path)?;
         let inside = state.container();
@@ -176,7 +175,7 @@ impl Document {
         Ok(Self::of(machine, None, Arc::clone(&content.libraries)))
     }
 
-    /// Whether another document has the same state.
+    /// True if the states of both documents are equal.
     fn is_like(&self, py: Python<'_>, other: &Self) -> bool {
         let own = self.lock(py).machine.root.clone();
         let other = other.lock(py).machine.root.clone();
@@ -194,7 +193,7 @@ impl Document {
         self.lock(py).machine.root = root;
     }
 
-    /// What the machine says about itself: when it was made, the user's version, the folder where it lies.
+    /// Header of the machine: creation time, the user's version, and the folder of its file.
     fn header(&self, py: Python<'_>) -> (String, Option<String>, Option<String>) {
         let content = self.lock(py);
         let Header { creation_time, version, .. } = &content.machine.header;
@@ -202,7 +201,7 @@ impl Document {
         (creation_time.to_string(), version.as_ref().map(ToString::to_string), folder)
     }
 
-    /// Sets what the machine says about itself.
+    /// Sets the creation time and the version of the machine.
     fn set_header(&self, py: Python<'_>, creation_time: &str, version: Option<&str>) {
         let header = &mut self.lock(py).machine.header;
         header.creation_time = creation_time.into();
@@ -239,7 +238,7 @@ fn defaults(ports: &Ports) -> RuntimeValues {
     ports.iter().map(|port| (port.id, RuntimeValue { value: value(port), used: true })).collect()
 }
 
-/// One fact about a state, as the objects of the Python package want it.
+/// One fact about a state, as the Python package expects it.
 fn fact<'py>(py: Python<'py>, state: &State, key: &str) -> PyResult<Bound<'py, PyAny>> {
     let inside = state.container();
     Ok(match key {

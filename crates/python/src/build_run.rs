@@ -18,7 +18,7 @@ use smol_str::SmolStr;
 use std::os::fd::RawFd;
 use std::path::Path;
 
-/// How the last run of this program ended.
+/// End of the last run of this program.
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
 
 /// The end of a run, with the values themselves.
@@ -64,7 +64,7 @@ fn named<'py>(py: Python<'py>, values: &[(SmolStr, Handle)]) -> PyResult<Bound<'
     Ok(dict)
 }
 
-/// `rafcon._native.run_id`: the name of the folder of a run that begins now; `salt` tells apart what begins in one second.
+/// `rafcon._native.run_id`: folder name of a new run; `salt` distinguishes runs that begin in one second.
 #[pyfunction]
 pub(crate) fn run_id(name: &str, salt: u16) -> String {
     rafcon_storage::journal::run_id(Clock::epoch_ms(), name, salt)

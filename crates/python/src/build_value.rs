@@ -9,7 +9,7 @@ use rafcon_model::{Answer, DataType, Json, Types, Value};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// How deep values may be nested in each other; files nest no deeper.
+/// Maximum nesting depth of values, as in files.
 const DEPTH_MAX: usize = 190;
 
 /// The type of a dotted name.

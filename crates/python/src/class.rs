@@ -1,4 +1,4 @@
-//! What is remembered about a Python type, so that type checks need no interpreter.
+//! Cache of facts about Python types, so that type checks need no interpreter.
 
 use parking_lot::{Mutex, RwLock};
 use pyo3::prelude::*;
@@ -18,7 +18,7 @@ pub(crate) struct Class {
     pub(crate) name: SmolStr,
     /// Its dotted name and those of all its bases.
     names: Box<[SmolStr]>,
-    /// Whether an object of exactly this type can never change.
+    /// True if objects of exactly this type can never change.
     pub(crate) immutable: bool,
     /// Keeps the address of the type from being used again.
     _type: Py<PyType>,
@@ -26,7 +26,7 @@ pub(crate) struct Class {
 
 /// By the address of the type.
 static CLASSES: Mutex<BTreeMap<usize, Arc<Class>>> = Mutex::new(BTreeMap::new());
-/// Declared names of types, and the name that the type itself has; none if only Python can tell what is of that type.
+/// Real name of each declared type; `None` if only Python can check its objects.
 static DECLARED: RwLock<BTreeMap<SmolStr, Option<SmolStr>>> = RwLock::new(BTreeMap::new());
 
 /// Names in `builtins` and elsewhere whose objects never change.
@@ -43,7 +43,7 @@ const IMMUTABLE: [&str; 9] = [
 ];
 
 impl Class {
-    /// What is known about a type.
+    /// Facts about a type, from the cache if possible.
     pub(crate) fn of(found: &Bound<'_, PyType>) -> PyResult<Arc<Self>> {
         let address = found.as_ptr() as usize;
         if let Some(class) = CLASSES.lock().get(&address) {
@@ -73,7 +73,7 @@ impl Class {
         })
     }
 
-    /// Whether objects of this type may stand in a port of type `declared`.
+    /// Reports if a port of type `declared` accepts objects of this type.
     pub(crate) fn fits(&self, declared: &DataType) -> Answer {
         let is = |name: &str| self.names.iter().any(|own| own == name);
         let answer = |yes: bool| if yes { Answer::Yes } else { Answer::No };
@@ -86,7 +86,7 @@ impl Class {
     }
 }
 
-/// Whether a type with these names (its own and those of its bases) is what a port declares as `declared`.
+/// Reports if a type is the one that a port declares as `declared`. `names` are those of the type and its bases.
 pub(crate) fn is_declared_as(names: &[SmolStr], declared: &SmolStr) -> Answer {
     if names.contains(declared) {
         return Answer::Yes;
@@ -98,8 +98,8 @@ pub(crate) fn is_declared_as(names: &[SmolStr], declared: &SmolStr) -> Answer {
     }
 }
 
-/// Remembers which type a declared name means, if that is not known yet. `resolve` gives the type's own name, or nothing if
-/// only Python can tell what is of that type (abstract classes).
+/// Stores the real name of a declared type, if the name is new. `resolve` returns `None` if only Python can check objects
+/// of the type (abstract classes).
 pub(crate) fn declare(name: &SmolStr, resolve: impl FnOnce() -> Option<SmolStr>) {
     if DECLARED.read().contains_key(name) {
         return;

@@ -8,7 +8,7 @@ use pyo3::types::{PyCode, PyDict, PyString, PyTuple};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What was compiled so far.
+/// Cache of compiled scripts.
 #[derive(Debug, Default)]
 pub(crate) struct Codes(Mutex<BTreeMap<Arc<str>, Py<PyCode>>>);
 

@@ -9,7 +9,7 @@ use rafcon_engine::{Check, Node};
 use rafcon_model::Port;
 use smol_str::SmolStr;
 
-/// Whether the condition is true; the error is short, and for people.
+/// Evaluates the condition. The error is a short text for people.
 pub(crate) fn check(
     py: Python<'_>,
     check: &Check<Handle>,

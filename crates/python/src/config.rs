@@ -14,7 +14,7 @@ pub(crate) fn put_in_force(py: Python<'_>, config: &Config, roots: &[Root]) -> P
     Ok(())
 }
 
-/// `rafcon._native.read_config`: key to value, of a file or of the one where the reference looks; and what is wrong with it.
+/// `rafcon._native.read_config`: keys and values of a file, or of the reference's default file, and the problems found.
 #[pyfunction]
 pub(crate) fn read_config<'py>(
     py: Python<'py>,

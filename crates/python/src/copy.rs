@@ -36,7 +36,7 @@ fn deep<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     Runtime::get(object.py())?.deep_copy.bind(object.py()).call1((object,))
 }
 
-/// Whether an object can never change and holds nothing that can.
+/// True if an object can never change and holds no other objects.
 fn is_plain(object: &Bound<'_, PyAny>) -> bool {
     object.is_none()
         || object.is_exact_instance_of::<PyInt>()

@@ -29,17 +29,17 @@ pub(crate) fn embed() -> bool {
     !EMBEDDED.swap(true, Ordering::Relaxed)
 }
 
-/// Whether the process belongs to a program that has other things to do.
+/// True if the process belongs to a program that embeds the run.
 pub(crate) fn is_embedded() -> bool {
     EMBEDDED.load(Ordering::Relaxed)
 }
 
-/// Whether this process, which is there for one run, does not have it yet.
+/// True if this process was started for one run and has not received it yet.
 pub(crate) fn is_expected() -> bool {
     !is_forked() && !is_embedded() && DRIVER.read().is_none()
 }
 
-/// The run; an error that says why there is none to talk to.
+/// The run; an error with the reason if it cannot be reached from here.
 pub(crate) fn driver() -> PyResult<Run> {
     if is_forked() {
         let why =
@@ -54,28 +54,28 @@ pub(crate) fn driver() -> PyResult<Run> {
     run.ok_or_else(|| PyRuntimeError::new_err("no state machine runs in this process"))
 }
 
-/// What a forked process is told that asks for something live.
+/// Error of a request for live data in a forked process.
 pub(crate) fn forked() -> PyErr {
     let why =
         "this is a forked process; only the process that runs the state machine can talk to it";
     PyRuntimeError::new_err(why)
 }
 
-/// What never changes about the run, for forked processes too.
+/// The run, for facts that never change; available to forked processes too.
 pub(crate) fn facts() -> PyResult<Run> {
     // In a forked process another thread may have held the lock when the fork happened.
     let copy = || DRIVER.try_read().and_then(|run| run.clone());
     if is_forked() { copy().ok_or_else(forked) } else { driver() }
 }
 
-/// Notes down a line that RAFCON itself has to say about the state whose script runs on this thread.
+/// Logs a message of RAFCON itself for the state whose script runs on this thread.
 pub(crate) fn say(level: LogLevel, message: String) {
     if let (false, Some(driver)) = (is_forked(), DRIVER.read().clone()) {
         driver.log(thread::current_path(), level, Stream::Engine, message);
     }
 }
 
-/// Whether this process is a copy that a script made of the one that hosts the run.
+/// True if a script forked this process from the one that hosts the run.
 pub(crate) fn is_forked() -> bool {
     FORKED.load(Ordering::Relaxed)
 }

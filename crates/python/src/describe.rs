@@ -74,7 +74,7 @@ fn path_by_name(py: Python<'_>, at: &Place) -> PyResult<String> {
     Ok(names.join("/"))
 }
 
-/// The ids and places of the states inside; none in a forked process, which cannot ask for places.
+/// Ids and places of the child states; empty in a forked process, which cannot request places.
 fn children<'py>(py: Python<'py>, place: &Place) -> PyResult<Bound<'py, PyDict>> {
     let driver = current::facts()?;
     let dict = PyDict::new(py);
@@ -118,7 +118,7 @@ pub(crate) fn ports<'py>(py: Python<'py>, ports: &[Port]) -> PyResult<Bound<'py,
     Ok(dict)
 }
 
-/// A default as it stands in the file; `None` where Python cannot make it.
+/// A default as in the file; `None` if Python cannot make it.
 fn literal<'py>(py: Python<'py>, value: &Value) -> Bound<'py, PyAny> {
     object(py, value).unwrap_or_else(|_unreadable| py.None().into_bound(py))
 }
@@ -174,7 +174,7 @@ pub(crate) fn data_flows<'py>(
     Ok(flows)
 }
 
-/// What a library state says about its library.
+/// Facts of a library state about its library.
 pub(crate) fn library<'py>(py: Python<'py>, state: &State) -> PyResult<Option<Bound<'py, PyDict>>> {
     let rafcon_model::Kind::Library(library) = &state.kind else { return Ok(None) };
     let facts = PyDict::new(py);

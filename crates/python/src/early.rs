@@ -1,4 +1,4 @@
-//! What plugins say before the run is there: it waits here, and stands at the head of the run's log.
+//! Output of plugins before the run exists. It is kept here and later written at the head of the run's log.
 //!
 //! Knows lines. Does not know what a run does with them.
 
@@ -10,7 +10,7 @@ use rafcon_runner::Driver;
 /// More than this is not kept: a plugin that prints without end must not fill the memory.
 const BYTES_MAX: usize = 1 << 20;
 
-/// A line that was said.
+/// A line of output.
 #[derive(Debug)]
 pub(crate) struct Line {
     pub(crate) level: LogLevel,
@@ -29,7 +29,7 @@ struct Early {
 static EARLY: Mutex<Early> =
     Mutex::new(Early { lines: Vec::new(), bytes: 0, left_out: 0, is_over: false });
 
-/// Keeps a line for the run to come; gives it back if the run is there.
+/// Keeps a line until the run exists; returns the line if the run already exists.
 pub(crate) fn keep(line: Line) -> Option<Line> {
     let mut early = EARLY.lock();
     if early.is_over {
@@ -44,12 +44,12 @@ pub(crate) fn keep(line: Line) -> Option<Line> {
     None
 }
 
-/// Keeps what RAFCON itself has to say.
+/// Keeps a message of RAFCON itself.
 pub(crate) fn say(level: LogLevel, message: String) {
     keep(Line { level, stream: Stream::Engine, message });
 }
 
-/// The run is there: it gets the lines, and later ones go to it at once.
+/// Moves the kept lines to the run's log. Later lines are no longer kept.
 pub(crate) fn hand_over(driver: &Driver<PythonScripts>) {
     for Line { level, stream, message } in take() {
         driver.log(None, level, stream, message);

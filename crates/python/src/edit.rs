@@ -149,7 +149,7 @@ impl<'py> Request<'_, 'py> {
         Ok(Edit::Transition(self.path, TransitionId(id), edit))
     }
 
-    /// Where a transition begins; the container itself, without an outcome, is its income.
+    /// Origin of a transition. The container itself, without an outcome, is its income.
     fn origin(&self, state: Option<String>, outcome: Option<i64>) -> PyResult<Origin> {
         match (state, outcome) {
             (None, None) => Ok(Origin::Income),
@@ -283,7 +283,7 @@ fn port_kind(name: &str) -> PyResult<PortKind> {
     }
 }
 
-/// The kind of states that a name stands for.
+/// The kind of states with this name.
 pub(crate) fn kind_name(name: &str) -> PyResult<KindName> {
     match name {
         "execution" => Ok(KindName::Execution),

@@ -23,7 +23,7 @@ pub(crate) fn revision() -> PyResult<u64> {
 pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
     let driver = current::driver()?;
     let mut what: Vec<String> = changes.iter().map(|(verb, path, _)| words(verb, path)).collect();
-    // Of what is done many times, once is enough for people.
+    // Report a repeated change once.
     what.dedup();
     let edit = batch(changes)?;
     let mut tried = driver.machine().as_ref().clone();
@@ -32,7 +32,7 @@ pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
     answer.map(drop).or_else(|refused| Err(in_use(py, refused.to_string())?))
 }
 
-/// `rafcon._native.has_kept_changes`: whether a run that is resumed after a crash goes by all changes so far.
+/// `rafcon._native.has_kept_changes`: true if a run that is resumed after a crash applies all changes made until now.
 #[pyfunction]
 pub(crate) fn has_kept_changes() -> PyResult<bool> {
     Ok(current::driver()?.has_kept_changes())
@@ -44,7 +44,7 @@ fn in_use(py: Python<'_>, reason: String) -> PyResult<PyErr> {
     Ok(PyErr::from_value(class.call1((reason,))?))
 }
 
-/// A change in words, for whoever reads the run's record.
+/// A change in words, for the run's record.
 fn words(verb: &str, path: &str) -> String {
     let (what, done) = verb.split_once('.').unwrap_or((verb, ""));
     let part = match what {
@@ -67,8 +67,7 @@ pub(crate) fn taken(py: Python<'_>, path: u32) -> PyResult<Document> {
     Ok(Document::of(machine, None, Arc::default()))
 }
 
-/// `rafcon._native.settle`: an object that stood for a state that was built by itself stands for the one at a place from
-/// now on.
+/// `rafcon._native.settle`: assigns the object of an independently built state to a place of the run.
 #[pyfunction]
 pub(crate) fn settle(py: Python<'_>, path: u32, object: &Bound<'_, PyAny>) -> PyResult<()> {
     let place = place(py, path)?;

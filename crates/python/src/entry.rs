@@ -1,4 +1,4 @@
-//! The first thing that an interpreter calls: makes the module, or says why this interpreter cannot have it.
+//! Entry point of the extension: creates the module, or raises an error that names why this interpreter is not supported.
 #![expect(unsafe_code, reason = "an interpreter looks for a C function of this name")]
 
 use crate::{
@@ -52,8 +52,8 @@ const FREE_THREADED: &CStr =
 /// refused before anything else is touched.
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn PyInit__native() -> *mut ffi::PyObject {
-    // SAFETY: the interpreter calls this function with itself attached; its version is a constant text, and its exception
-    // classes are there.
+    // SAFETY: the interpreter calls this function with itself attached. Its version is a constant text, and its exception
+    // classes exist.
     unsafe {
         let version = CStr::from_ptr(ffi::Py_GetVersion());
         if version.to_bytes().windows(14).any(|part| part == b"free-threading") {

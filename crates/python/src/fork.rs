@@ -14,8 +14,8 @@ pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     Ok(())
 }
 
-/// This process is a copy from now on. It lets go of the sockets and of the lock of the run: viewers see the end of the run by
-/// their ends. A copy of a copy has let go of them already.
+/// Marks this process as a fork and closes the sockets and the lock of the run: viewers detect the end of the run when
+/// these close. A fork of a fork has none to close.
 #[pyfunction]
 pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
     if current::is_forked() {

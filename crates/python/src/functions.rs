@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use rafcon_engine::PathId;
 use rafcon_protocol::{LogLevel, Stream};
 
-/// Notes a line down; before the run is there, for its beginning. `level` is a level of Python's `logging`.
+/// Logs a line, or keeps it until the run exists. `level` is a level of Python's `logging`.
 #[pyfunction]
 pub(crate) fn emit(path: i64, stream: &str, level: i64, message: String) -> PyResult<()> {
     let stream = match stream {
@@ -48,13 +48,13 @@ pub(crate) fn current_path() -> i64 {
     thread::current_path().map_or(-1, |path| i64::from(path.0))
 }
 
-/// The number of the place that ran before this one in the same container; -1 if none did.
+/// Number of the place that ran before this one in its container; -1 if it was the first.
 #[pyfunction]
 pub(crate) fn last_left(py: Python<'_>, path: u32) -> PyResult<i64> {
     Ok(place(py, path)?.previous().map_or(-1, |previous| i64::from(previous.0)))
 }
 
-/// The object that stands for the state at a place, always the same one.
+/// The unique object of the state at a place.
 #[pyfunction]
 pub(crate) fn state_object(py: Python<'_>, path: u32) -> PyResult<Py<PyAny>> {
     let place = place(py, path)?;
@@ -63,7 +63,7 @@ pub(crate) fn state_object(py: Python<'_>, path: u32) -> PyResult<Py<PyAny>> {
     Ok(seat.object.clone_ref(py))
 }
 
-/// What is known about the machine as a whole.
+/// Facts about the whole machine.
 #[pyfunction]
 pub(crate) fn machine(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let run = current::facts()?;

@@ -57,13 +57,13 @@ pub(crate) fn keep_embedded(py: Python<'_>, keeper: &ValueSerializer) -> PyResul
     Ok(())
 }
 
-/// How the value of a variable is kept.
+/// A kept value of a variable.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 struct Kept {
-    /// The value itself.
+    /// The value alone.
     value: Handle,
-    /// With all that is declared of the variable.
+    /// The value with all declarations of the variable.
     variable: Handle,
 }
 
@@ -76,7 +76,7 @@ struct Journal {
 
 #[pymethods]
 impl Journal {
-    /// How a value is kept; `carrier` is the variable, if it is more than a value kept as a copy.
+    /// Keeps a value. `carrier` is the variable if it holds more than a copied value.
     fn keep(&self, value: &Bound<'_, PyAny>, carrier: Option<&Bound<'_, PyAny>>) -> Kept {
         let plain = Handle::kept(value.clone(), &self.keeper);
         let variable = carrier.map_or_else(
@@ -86,7 +86,7 @@ impl Journal {
         Kept { value: plain, variable }
     }
 
-    /// Whether the run can be told something now, by this thread.
+    /// True if this thread can write to the run now.
     #[expect(clippy::unused_self, reason = "Python asks the journal")]
     fn is_open(&self) -> bool {
         current::driver().is_ok()

@@ -1,5 +1,5 @@
-//! Where Python objects wait to be let go. The engine drops values under its lock; an object's own clean-up is user code and
-//! must not run there, so it is put here and let go where no lock is held.
+//! Deferred release of Python objects. The engine drops values under its lock, but an object's clean-up is user code that
+//! must not run there. Such objects are kept here and released where no lock is held.
 
 use parking_lot::Mutex;
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ thread_local! {
     static OWN: RefCell<Vec<Py<PyAny>>> = const { RefCell::new(Vec::new()) };
 }
 
-/// What threads outside the interpreter have dropped.
+/// Objects dropped by threads outside the interpreter.
 static OTHERS: Mutex<Vec<Py<PyAny>>> = Mutex::new(Vec::new());
 static OTHERS_FILLED: AtomicBool = AtomicBool::new(false);
 

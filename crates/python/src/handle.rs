@@ -17,7 +17,7 @@ use smol_str::SmolStr;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-/// The name of the type of what stands for a value that was lost. No class has a name with spaces.
+/// Type name of the placeholder for a lost value. No class has a name with spaces.
 const LOST: &str = "a value that was lost";
 
 /// A Python object, or `None`. Cloning counts a reference of our own, never Python's.
@@ -31,13 +31,13 @@ struct Object {
     saved: Saved,
 }
 
-/// How a value is kept.
+/// Form in which a value is kept.
 enum Saved {
     /// In the events that name it.
     Plain(Kept),
     /// By number; copies of one value share it.
     Stored(Arc<KeptValue>),
-    /// Not at all. What stands for it is made when an event names it.
+    /// Not kept. The placeholder is made when an event names the value.
     Not(OnceLock<Box<KeptValue>>),
 }
 
@@ -62,12 +62,12 @@ pub(crate) enum Kind {
     Set,
     /// Any other type.
     Other(Arc<Class>),
-    /// Any other type that does not say what it is.
+    /// Any other type whose class cannot be read.
     Strange,
 }
 
 impl Handle {
-    /// A handle of its own for `object`. Only what stands in an event itself is kept.
+    /// A new handle for `object`. Keeps only values that fit in an event.
     pub(crate) fn new(object: Bound<'_, PyAny>) -> Self {
         Self::make(object, |object, kind| {
             plain(object, kind).map_or_else(|| Saved::Not(OnceLock::new()), Saved::Plain)
@@ -99,7 +99,7 @@ impl Handle {
         Self::make(object, |_, _| stored(kept))
     }
 
-    /// A handle that stands for a value that cannot be made again.
+    /// A handle with a placeholder for a value that cannot be restored.
     pub(crate) fn lost(py: Python<'_>, why: &str) -> Self {
         let error = PyRuntimeError::new_err(why.to_owned()).into_value(py);
         let kept = Stored {
@@ -110,7 +110,7 @@ impl Handle {
         Self::restored(error.into_bound(py).into_any(), kept)
     }
 
-    /// Why there is no value, if the handle only stands for one.
+    /// The reason why the value was lost, if this is a placeholder.
     pub(crate) fn why_lost(&self) -> Option<String> {
         let Keep::Stored(kept) = self.keep() else { return None };
         match &kept.stored().content {
@@ -119,7 +119,7 @@ impl Handle {
         }
     }
 
-    /// A handle for a copy of the same value, or for what stands for it in the journal.
+    /// A handle for a copy of this value. Shares the stored value, if it has one.
     pub(crate) fn like(&self, object: Bound<'_, PyAny>) -> Self {
         match self.0.as_ref().map(|own| &own.saved) {
             Some(Saved::Stored(kept)) => Self::make(object, |_, _| Saved::Stored(Arc::clone(kept))),
@@ -139,7 +139,7 @@ impl Handle {
         Self(Some(Arc::new(Object { python: Some(object.unbind()), kind, saved })))
     }
 
-    /// How the journal keeps it; runs no code of the user.
+    /// The value as the journal keeps it; runs no user code.
     pub(crate) fn keep(&self) -> Keep<'_> {
         match self.0.as_ref().map(|own| (own, &own.saved)) {
             None => Keep::Plain(Kept::None),
@@ -157,7 +157,7 @@ impl Handle {
         object.map_or_else(|| py.None().into_bound(py), |object| object.bind(py).clone())
     }
 
-    /// Whether it is this very object.
+    /// True if the handle holds this very object.
     pub(crate) fn is(&self, object: &Bound<'_, PyAny>) -> bool {
         match self.0.as_ref().and_then(|own| own.python.as_ref()) {
             Some(own) => own.is(object),
@@ -165,7 +165,7 @@ impl Handle {
         }
     }
 
-    /// Its type; nothing for `None`.
+    /// Type of the object; `None` for Python's `None`.
     pub(crate) fn kind(&self) -> Option<&Kind> {
         self.0.as_ref().map(|object| &object.kind)
     }
@@ -278,7 +278,7 @@ fn stored(kept: Stored) -> Saved {
     Saved::Stored(Arc::new(KeptValue::new(kept)))
 }
 
-/// What can stand in an event itself.
+/// The value in the form that fits in an event.
 fn plain(object: &Bound<'_, PyAny>, kind: &Kind) -> Option<Kept> {
     match kind {
         Kind::Bool => object.cast::<PyBool>().ok().map(|truth| Kept::Bool(truth.is_true())),
@@ -296,7 +296,7 @@ fn plain(object: &Bound<'_, PyAny>, kind: &Kind) -> Option<Kept> {
     }
 }
 
-/// What stands for a value that no one has asked to keep.
+/// Placeholder for a value of a state that keeps no values.
 fn not_kept(kind: &Kind) -> KeptValue {
     let type_name = kind.type_name();
     KeptValue::new(Stored {

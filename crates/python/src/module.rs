@@ -11,7 +11,7 @@ use pyo3::types::{PyCode, PyDict, PyModule};
 use std::io::Write as _;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How many script modules there were; each has a name of its own.
+/// Number of the next script module; makes names unique.
 static COUNT: AtomicU64 = AtomicU64::new(1);
 
 /// Runs `code` as the body of a fresh module and returns the module's dictionary.

@@ -1,4 +1,4 @@
-//! What a state keeps from one of its runs to the next, written down whenever a script has changed it.
+//! Values that a state keeps from one of its runs to the next, written whenever a script has changed them.
 
 use crate::current;
 use crate::handle::Handle;

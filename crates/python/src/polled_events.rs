@@ -1,4 +1,4 @@
-//! `rafcon._native.command` and `rafcon._native.past`: scripts that control the run, and look back at it.
+//! `rafcon._native.command` and `rafcon._native.past`: commands of scripts for the run, and access to its past events.
 
 use crate::{current, thread};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};

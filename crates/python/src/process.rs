@@ -107,7 +107,7 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     read_output(py)?;
     runtime.install_capture.call0(py)?;
     runtime.load_plugins(py)?;
-    // What is there now stays for good: the collector need not look at it again and again.
+    // All objects alive now stay; exclude them from later collections.
     py.import("gc")?.call_method0("freeze")?;
     let end = py.detach(|| serve(stream, PythonHost::default()));
     let code = exit_code(end);
@@ -161,7 +161,7 @@ pub(crate) fn default_signals(py: Python<'_>) -> PyResult<()> {
     Ok(())
 }
 
-/// The exit code is for whoever has no connection; a viewer knows more.
+/// The exit code is for callers without a connection; viewers receive more.
 #[expect(clippy::print_stderr, reason = "without a viewer there is no other place to report it")]
 fn exit_code(end: Result<(), ServeError>) -> i32 {
     match end {
@@ -179,8 +179,8 @@ fn exit_code(end: Result<(), ServeError>) -> i32 {
 pub(crate) fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
     let os = py.import("os")?;
     os.call_method1("set_inheritable", (fd, false))?;
-    // SAFETY: `set_inheritable` has just shown that the descriptor is open, and whoever started this process gave it to us
-    // alone.
+    // SAFETY: `set_inheritable` has just shown that the descriptor is open, and the parent process passed it to this
+    // process alone.
     Ok(UnixStream::from(unsafe { OwnedFd::from_raw_fd(fd) }))
 }
 

@@ -61,7 +61,7 @@ pub(crate) fn install() -> io::Result<()> {
     reader.spawn(move || follow(&wakers)).map(drop)
 }
 
-/// Logs the output so far. The starter of the runner reads later output.
+/// Logs the output until now. The program that started the runner reads later output.
 pub(crate) fn close() {
     if IS_READ.swap(false, Ordering::Relaxed) {
         let mut sources = SOURCES.lock();
@@ -157,7 +157,7 @@ fn follow(wakers: &[OwnedFd]) {
     }
 }
 
-/// Whether all output is in pipes with room for more.
+/// True if all output is in pipes with little unread data.
 fn has_little() -> bool {
     let mut sources = SOURCES.lock();
     sources.iter_mut().all(|source| source.position.is_none() && source.waiting() < SOON)

@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use std::fs;
 use std::path::Path;
 
-/// The value that stands in an event.
+/// The value kept in the event itself.
 pub(crate) fn plain(py: Python<'_>, kept: &Kept) -> Result<Handle, ValueError> {
     let object = match kept {
         Kept::None => return Ok(Handle::default()),
@@ -117,7 +117,7 @@ fn large(file: &Path, hash: &str, size: u64) -> PyResult<Vec<u8>> {
     Err(PyValueError::new_err(format!("{} is damaged", file.display())))
 }
 
-/// What stands for an exception that cannot be made again: whoever handles it still sees what went wrong.
+/// Replacement for an exception that cannot be restored, so that handlers still receive its class and message.
 fn stand_in<'py>(py: Python<'py>, view: &Value) -> Option<Bound<'py, PyAny>> {
     let (class, text) = (view.get("__exc__")?.as_str()?, view.get("msg")?.as_str()?);
     let error = PyRuntimeError::new_err(format!("{class}: {text}"));

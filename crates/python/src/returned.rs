@@ -1,4 +1,4 @@
-//! What a script's return value means: an outcome's id or name, by Python's own equality.
+//! Conversion of a script's return value to an outcome's id or name, by Python's own equality.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyInt, PyString};
@@ -8,7 +8,7 @@ use smol_str::{SmolStr, format_smolstr};
 
 /// Remedy for `async def execute`.
 const WITHOUT_ASYNC: &str = "write `def execute`, and run coroutines with `asyncio.run(…)` inside";
-/// How much of a value's own text is shown.
+/// Maximum length of a value's own text in messages.
 const SHOWN_MAX: usize = 200;
 
 /// Reads a return value. The error is what the value's own comparison raised, or that it cannot be a key.
@@ -31,7 +31,7 @@ pub(crate) fn returned(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResu
     by_equality(value, outcomes)
 }
 
-/// As a look-up in a dictionary of ids and then of names would have it: the hash has to agree too.
+/// Finds the outcome like a lookup in a dictionary of ids, then of names: hash and equality must both match.
 fn by_equality(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResult<Returned> {
     let (py, hash) = (value.py(), value.hash()?);
     for outcome in outcomes {

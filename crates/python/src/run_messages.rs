@@ -1,5 +1,5 @@
-//! `rafcon._native.RunMessages`: what a runner says to the program around it, read from its frames. Knows their encoding; does
-//! not know what a message leads to.
+//! `rafcon._native.RunMessages`: decodes the frames that a runner sends to the program around it. Does not know the effect
+//! of a message.
 
 use parking_lot::Mutex;
 use pyo3::exceptions::PyValueError;
@@ -22,8 +22,8 @@ impl RunMessages {
         Self { events: Mutex::new(StreamReader::new(0, false, None)) }
     }
 
-    /// The messages of the next frame of a stream as JSON, events among them: `{"message": "event", "event": …}`; none at the end,
-    /// which a frame that is cut is too.
+    /// Messages of the next frame of a stream as JSON, events among them: `{"message": "event", "event": …}`. `None` at the
+    /// end of the stream or at a truncated frame.
     fn next(&self, stream: &Bound<'_, PyAny>) -> PyResult<Option<Vec<String>>> {
         let head = stream.call_method1("read", (FRAME_HEAD,))?;
         let Ok(head) = head.extract::<&[u8]>()?.try_into() else { return Ok(None) };

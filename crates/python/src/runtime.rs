@@ -1,4 +1,4 @@
-//! The one list of what Rust calls in the Python package: the module `rafcon._runtime`, looked up once.
+//! The complete list of Python functions that Rust calls: the module `rafcon._runtime`, imported once.
 
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -47,9 +47,9 @@ pub(crate) struct Runtime {
     pub(crate) flush_all: Py<PyAny>,
     /// Unfinished lines; empty if there is nothing to send.
     pub(crate) pending: Py<PyDict>,
-    /// What plugins want to be told.
+    /// Hooks of the plugins.
     pub(crate) hooks: Py<PyAny>,
-    /// Whether any plugin wants to be told about each script.
+    /// True if a plugin registered hooks around scripts.
     hooked: AtomicBool,
     /// Ends a script that was preempted inside a call.
     pub(crate) state_preempted: Py<PyAny>,
@@ -59,7 +59,7 @@ pub(crate) struct Runtime {
     pub(crate) install_capture: Py<PyAny>,
     /// `builtins.__dict__`
     pub(crate) builtins: Py<PyAny>,
-    /// The same for a script that looks for the dialogs of the desktop; None for another.
+    /// Returns the built-in names for a script that uses the dialogs of the desktop; `None` for other scripts.
     builtins_for: Py<PyAny>,
     /// `copy.deepcopy`
     pub(crate) deep_copy: Py<PyAny>,
@@ -98,14 +98,14 @@ impl Runtime {
         Ok(())
     }
 
-    /// Whether a plugin that the program itself has loaded wants to be called around scripts.
+    /// Updates the flag for hooks around scripts, after the embedding program loaded plugins.
     pub(crate) fn heed_plugins(&self, py: Python<'_>) -> PyResult<()> {
         let active = self.hooks.bind(py).getattr("active")?.is_truthy()?;
         self.hooked.store(active, Ordering::Relaxed);
         Ok(())
     }
 
-    /// The plugins, if any wants to be told about each script.
+    /// The plugins, if one registered hooks around scripts.
     pub(crate) fn script_hooks<'py>(&self, py: Python<'py>) -> Option<&Bound<'py, PyAny>> {
         self.hooked.load(Ordering::Relaxed).then(|| self.hooks.bind(py))
     }

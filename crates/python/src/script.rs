@@ -16,7 +16,7 @@ use crate::class;
 use crate::codes::Codes;
 use crate::handle::Handle;
 
-/// What is needed to run the script of one node, found out once.
+/// Everything needed to run the script of one node, prepared once.
 #[derive(Debug)]
 pub(crate) struct Script {
     /// The file that tracebacks name.
@@ -27,7 +27,7 @@ pub(crate) struct Script {
     pub(crate) inputs: Box<[Py<PyString>]>,
     /// Names of the output ports.
     pub(crate) outputs: Box<[Py<PyString>]>,
-    /// Whether one of the output ports is named `error`.
+    /// True if one of the output ports is named `error`.
     pub(crate) has_error_output: bool,
     /// The outcomes of the state.
     pub(crate) outcomes: Box<[Outcome]>,
@@ -42,14 +42,14 @@ pub(crate) struct Script {
     reported: Mutex<BTreeSet<SmolStr>>,
 }
 
-/// How a script is compiled and run.
+/// Options for compiling and running a script.
 #[derive(Debug)]
 pub(crate) struct CompileContext {
     /// The file that tracebacks name.
     pub(crate) file: String,
-    /// Whether the module's body runs at each entry of the state.
+    /// True if the module's body runs at each entry of the state.
     pub(crate) recompile: bool,
-    /// What was compiled so far.
+    /// Cache of compiled scripts.
     pub(crate) codes: Arc<Codes>,
 }
 
@@ -80,12 +80,13 @@ impl Script {
         }
     }
 
-    /// Whether the script and its ports are those of this node, as the machine has it now.
+    /// True if the script and its ports match this node of the current machine.
     pub(crate) fn is_of(&self, node: &Node<Handle>) -> bool {
         Arc::ptr_eq(&self.state, node.state())
     }
 
-    /// The function `execute`, from a module whose body has just run (or ran once, if the configuration says so).
+    /// The function `execute` of the module. The module's body runs first, at each call or only once, depending on the
+    /// configuration.
     pub(crate) fn execute<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.globals(py)?.get_item(pyo3::intern!(py, "execute"))?.ok_or_else(|| {
             PyAttributeError::new_err(
@@ -112,7 +113,7 @@ impl Script {
         }
     }
 
-    /// Whether the port's value was not reported before as one that cannot be copied.
+    /// True if the value of this port was not yet reported as impossible to copy.
     pub(crate) fn is_news(&self, port: &str) -> bool {
         self.reported.lock().insert(port.into())
     }
@@ -142,7 +143,7 @@ fn conflict_error(text: &str, file: &str) -> Option<PyErr> {
     Some(PySyntaxError::new_err((what, (file.to_owned(), line, 1, shown))))
 }
 
-/// What is in `cell`; made at the first call. Making it may let other threads run, so two may make it and one is kept.
+/// Value of `cell`, created at the first call. Two threads may create it concurrently; one value is kept.
 fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> PyResult<T>) -> PyResult<&T> {
     if let Some(made) = cell.get() {
         return Ok(made);
@@ -164,7 +165,7 @@ fn declare_types(py: Python<'_>, ports: &[Port]) {
     }
 }
 
-/// The name that a type itself has; nothing for an abstract class, which takes objects of other classes too.
+/// Real name of a type; `None` for an abstract class, which accepts objects of other classes too.
 fn real_name(py: Python<'_>, name: &str) -> PyResult<Option<SmolStr>> {
     let found = Runtime::get(py)?.resolve_type.bind(py).call1((name,))?;
     let abstract_class = py.import("abc")?.getattr("ABCMeta")?;

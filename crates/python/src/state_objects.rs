@@ -1,4 +1,4 @@
-//! What Python keeps for each place: made when first wanted, and kept up to date with a machine that changes while it runs.
+//! Python data of each place: created on first use, and updated when the machine changes during the run.
 
 use crate::codes::Codes;
 use crate::handle::Handle;
@@ -41,23 +41,23 @@ impl StateObjects {
         }
     }
 
-    /// What is run now.
+    /// The current program.
     pub(crate) fn program(&self) -> Arc<Program<Handle>> {
         Arc::clone(&self.program.read())
     }
 
-    /// The run goes by another program. Enters no interpreter: scripts that changed are found at their next entry.
+    /// Replaces the program. Does not enter the interpreter: changed scripts are detected at their next entry.
     pub(crate) fn change(&self, program: Arc<Program<Handle>>) {
         *self.program.write() = program;
         self.generation.fetch_add(1, Ordering::Release);
     }
 
-    /// How often the program has changed.
+    /// Number of changes of the program.
     pub(crate) fn generation(&self) -> u64 {
         self.generation.load(Ordering::Acquire)
     }
 
-    /// Keeps what a state had kept in the life of the run before, until it asks for it.
+    /// Stores the persistent value of a state from before the restart, until the state requests it.
     pub(crate) fn restore_persistent(&self, path: &str, value: Handle) {
         self.persistent.lock().insert(path.to_owned(), value);
     }
@@ -71,7 +71,7 @@ impl StateObjects {
 }
 
 impl PythonScripts {
-    /// What Python keeps for a place, made at the first call.
+    /// Python data of a place, created at the first call.
     pub(crate) fn seat(&self, py: Python<'_>, place: &Arc<Place>) -> PyResult<Arc<StateSlot>> {
         match self.seating.seats.get(place.path) {
             Some(seat) => Ok(seat),

@@ -1,4 +1,4 @@
-//! What Python keeps for a place in the machine, for the life of the process: the `self` of its scripts and the data of the
+//! Python data of each place in the machine, for the life of the process: the `self` of its scripts and the data of the
 //! last run.
 
 use crate::handle::Handle;
@@ -17,7 +17,7 @@ pub(crate) struct StateSlot {
     pub(crate) object: Py<PyAny>,
     /// The place in the run.
     pub(crate) place: Arc<Place>,
-    /// The script of the state that stands there, and for which generation of the machine it was looked up.
+    /// Script of the current state, with the generation of the machine for which it was found.
     script: Mutex<Option<(u64, Arc<Script>)>>,
     data: Mutex<Data>,
     /// `self.persistent_variables` as it was kept last.
@@ -55,12 +55,12 @@ impl StateSlot {
         drop(before);
     }
 
-    /// What was kept last of the state's persistent variables.
+    /// The persistent variables as last kept.
     pub(crate) fn persistent(&self) -> Option<Handle> {
         self.persistent.lock().clone()
     }
 
-    /// This was kept of them.
+    /// Sets the persistent variables as last kept.
     pub(crate) fn set_persistent(&self, kept: Handle) {
         let before = self.persistent.lock().replace(kept);
         drop(before);
@@ -94,7 +94,7 @@ impl StateTable {
         self.0.read().get(path.index()).cloned().flatten()
     }
 
-    /// Puts a seat at its place and gives it back; one that is there already stays.
+    /// Inserts a slot at its place and returns it; an existing one is kept and returned instead.
     pub(crate) fn insert(&self, seat: StateSlot) -> Arc<StateSlot> {
         let index = seat.place.path.index();
         let seat = Arc::new(seat);

@@ -68,7 +68,7 @@ fn phase(held: &Inspection<Handle>, place: &Place) -> &'static str {
     }
 }
 
-/// Whether the state ended last in a container that is held before the next.
+/// True if the state was the last to end in a container that is now held before the next state.
 fn is_last_of_held(py: Python<'_>, at: &Place) -> PyResult<bool> {
     let Some(parent) = at.parent else { return Ok(false) };
     let around = place(py, parent.0)?;

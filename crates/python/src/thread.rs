@@ -1,4 +1,4 @@
-//! What this thread is doing for the run: which state's script, and whether it may hold the interpreter.
+//! Activity of this thread for the run: the state of its script, and its use of the interpreter.
 
 use pyo3::prelude::*;
 use rafcon_engine::PathId;
@@ -42,7 +42,7 @@ pub(crate) fn outside<T: Send>(py: Python<'_>, ask: impl FnOnce() -> T + Send) -
     if is_inside() { ask() } else { leave(py, ask) }
 }
 
-/// Whether this thread lives inside the interpreter.
+/// True if this thread runs inside the interpreter.
 pub(crate) fn is_inside() -> bool {
     INSIDE.get()
 }
@@ -68,7 +68,7 @@ pub(crate) fn while_engine_waits<T>(resolve: impl FnOnce() -> T) -> T {
     answer
 }
 
-/// Whether the engine is locked by this thread.
+/// True if this thread has locked the engine.
 pub(crate) fn engine_waits() -> bool {
     RESOLVING.get()
 }

@@ -1,4 +1,4 @@
-//! How a value is kept: as its view if that is all of it, else as a pickle, else as a placeholder that says why.
+//! Serialization of values: as a view if that is complete, else as a pickle, else as a placeholder with the reason.
 //!
 //! Runs code of the user, so it must never be called with the engine locked.
 
@@ -15,25 +15,25 @@ use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The largest pickle, in bytes, that stands in the journal itself.
+/// Maximum size, in bytes, of a pickle in the journal itself.
 const INLINE_MAX: usize = 64 * 1024;
-/// How much is told of the reason why a value cannot be kept.
+/// Maximum length, in characters, of the reason why a value cannot be kept.
 const REASON_MAX: usize = 300;
 
 /// Makes values ready for the journal.
 #[derive(Debug, Clone)]
 pub(crate) struct ValueSerializer {
-    /// Whether values are kept at all.
+    /// True if the run keeps values.
     keeps: bool,
-    /// The folder of large values; without one they stand in the journal.
+    /// Folder of large values; without one they are in the journal.
     values: Option<PathBuf>,
 }
 
 impl ValueSerializer {
-    /// Keeps nothing.
+    /// Keeps no values.
     pub(crate) const NONE: Self = Self { keeps: false, values: None };
 
-    /// Of a run that keeps values, in this folder.
+    /// A serializer of a run, with the folder of its large values.
     pub(crate) fn new(keeps: bool, values: Option<PathBuf>) -> Self {
         Self { keeps, values }
     }
@@ -43,12 +43,12 @@ impl ValueSerializer {
         Self::new(true, None)
     }
 
-    /// Whether values are kept at all.
+    /// True if the run keeps values.
     pub(crate) fn keeps(&self) -> bool {
         self.keeps
     }
 
-    /// What is kept of an object.
+    /// The stored form of an object.
     pub(crate) fn stored(&self, object: &Bound<'_, PyAny>, type_name: SmolStr) -> Stored {
         let view = view(object);
         let content = if view.whole { Content::View } else { self.content(object) };
@@ -85,7 +85,7 @@ fn pickled<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     Ok(pickle.cast_into::<PyBytes>()?)
 }
 
-/// Why an object cannot be kept, and the way out where there is one.
+/// The reason why an object cannot be kept, with a remedy if possible.
 fn reason(object: &Bound<'_, PyAny>, error: &PyErr) -> String {
     let class = match object.cast::<PyType>() {
         Ok(class) => class.clone(),
@@ -102,7 +102,7 @@ fn reason(object: &Bound<'_, PyAny>, error: &PyErr) -> String {
     text.chars().take(REASON_MAX).collect()
 }
 
-/// Whether a module's name is one that scripts get.
+/// True for the name of a script module.
 fn is_script(module: &str) -> bool {
     let number = module.strip_prefix("script").unwrap_or_default();
     !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
@@ -138,7 +138,7 @@ fn write(folder: &Path, hash: &str, pickle: &[u8]) -> io::Result<()> {
         .and_then(|mut staged| staged.write_all(pickle))
         .and_then(|()| fs::rename(&staged, &file));
     if written.is_err() {
-        // What is half written is of no use; if it cannot be removed either, it is only in the way.
+        // The half-written file is useless; a failed removal is harmless.
         drop(fs::remove_file(&staged));
     }
     written

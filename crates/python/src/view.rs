@@ -1,4 +1,4 @@
-//! What people see of a value: JSON as `docs/protocol.md` encodes values, bounded, and whether it is all of the value.
+//! Views of values for people: bounded JSON, encoded as in `docs/protocol.md`, with a flag for complete views.
 //!
 //! Knows Python's own types. Does not know where a view is kept.
 
@@ -16,13 +16,13 @@ use serde_json::{Map, Value, json};
 const ITEMS_MAX: usize = 256;
 /// Numbers of an array inside of another value, at most.
 const NESTED_MAX: usize = 64;
-/// How deep values are shown.
+/// Maximum depth of nested values in a view.
 const DEPTH_MAX: usize = 16;
 /// Bytes of one text, at most.
 const TEXT_MAX: usize = 1024;
 /// Characters of an exception's text, at most.
 const MESSAGE_MAX: usize = 16 << 10;
-/// How much is shown of what has no encoding of its own.
+/// Maximum length of a text for a value that has no encoding of its own.
 const SHOWN_MAX: usize = 200;
 /// Objects with one of these keys mean something else than a dictionary.
 const SPECIAL: [&str; 8] =
@@ -33,9 +33,9 @@ const INT_BITS_MAX: u64 = 3400;
 /// A view of one value.
 #[derive(Debug)]
 pub(crate) struct View {
-    /// What is shown.
+    /// The encoded value.
     pub(crate) json: Value,
-    /// Whether [`super::restore::from_view`] makes the very same value of it.
+    /// True if [`super::restore::from_view`] restores exactly this value from the view.
     pub(crate) whole: bool,
 }
 
@@ -47,9 +47,9 @@ pub(crate) fn view(object: &Bound<'_, PyAny>) -> View {
 }
 
 struct Looking {
-    /// How many more values may be shown.
+    /// Number of values that still fit in the view.
     left: usize,
-    /// Addresses of the lists and dictionaries met: one that is met twice is shared, which JSON cannot say.
+    /// Addresses of the lists and dictionaries visited. A second visit means a shared object, which JSON cannot express.
     seen: Vec<usize>,
     whole: bool,
 }
@@ -122,7 +122,7 @@ impl Looking {
         }
     }
 
-    /// Adds what tells arrays apart, and some of their numbers.
+    /// Adds type and shape of an array, and some of its items.
     fn with_shape(&mut self, object: &Bound<'_, PyAny>, mut shown: Value, depth: usize) -> Value {
         let text = |name: &str| object.getattr(name).ok()?.str().ok()?.extract::<String>().ok();
         let shape = || object.getattr("shape").ok()?.extract::<Vec<u64>>().ok();
@@ -138,7 +138,7 @@ impl Looking {
         shown
     }
 
-    /// How many numbers may be shown of an array. Inside of other values it leaves room for what comes after it.
+    /// Maximum number of array items to show. Inside of other values it leaves room for the values that follow.
     fn room(&self, depth: usize) -> usize {
         if depth == 0 { ITEMS_MAX } else { (self.left / 2).min(NESTED_MAX) }
     }
@@ -193,9 +193,9 @@ impl Looking {
         shown
     }
 
-    /// A dictionary whose keys are the same texts as keys of a JSON object.
+    /// A dictionary as a JSON object; all its keys are plain texts.
     fn members(&mut self, keys: Vec<String>, entries: &[Entry<'_>], depth: usize) -> Value {
-        // A reader has the keys in their order, so only a dictionary in that order is made again as it was.
+        // Readers receive the keys sorted. Only a dictionary in that order is restored unchanged.
         self.whole &= keys.is_sorted();
         let entries = keys.into_iter().zip(entries);
         entries.map(|(key, (_, value))| (key, self.at(value, depth + 1))).collect()
@@ -209,7 +209,7 @@ impl Looking {
         json!({ "__dict__": entries.iter().map(pair).collect::<Vec<_>>() })
     }
 
-    /// What does not show all of the value.
+    /// Shows a part of the value and marks the view as incomplete.
     fn part(&mut self, show: impl FnOnce() -> Value) -> Value {
         self.whole = false;
         show()
@@ -219,7 +219,7 @@ impl Looking {
 /// A key of a dictionary with its value.
 type Entry<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
-/// The key, if it is a text that is the same text as a key of a JSON object.
+/// The key as a JSON key; `None` unless it is a short text without a special meaning.
 fn plain_key(key: &Bound<'_, PyAny>) -> Option<String> {
     let text = key.cast_exact::<PyString>().ok()?;
     let text = text.to_cow().ok().filter(|text| text.len() <= TEXT_MAX)?;
@@ -231,7 +231,7 @@ fn is_integer(key: &str) -> bool {
     key.parse::<i64>().is_ok_and(|number| number.to_string() == key)
 }
 
-/// What has no encoding of its own.
+/// A value without an encoding of its own.
 fn other(object: &Bound<'_, PyAny>) -> Value {
     if object.is_instance_of::<PyBaseException>() {
         json!({ "__exc__": class_name(object), "msg": message(object) })

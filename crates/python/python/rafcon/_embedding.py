@@ -90,7 +90,7 @@ class Run:
         except Exception as error:
             self._error = self._error or str(error)
         finally:
-            # What it said last is heard before it counts as begun or failed.
+            # Read the last messages first; they decide if the run began or failed.
             self._reader.join()
             self._engine._ended(self)
             self._begun.set()

@@ -44,8 +44,8 @@ def _in_child():
     _logging.release()
     global_variables._after_fork_in_child()
     for number in _SIGNALS:
-        # What Python knows comes back (a plugin's handler, a signal that was ignored from the start); the runner's own
-        # handlers are not known to Python.
+        # Restore the handlers that Python knows (a plugin's, or an ignored signal). The runner's own handlers are unknown
+        # to Python.
         signal.signal(number, signal.getsignal(number) or signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_SETMASK, _masks.before)
 

@@ -25,7 +25,7 @@ class Wakeup:
             return self._event.wait(timeout)
         mask = _signals.NUDGED | (_signals.PREEMPTED if heed_preemption else 0)
         end_s = None if timeout is None else time.monotonic() + timeout
-        # The flag is a bell that others may have rung: it is silenced before the event is looked at.
+        # Other users share the flag: clear it before the event is checked.
         self._signals.nudged = False
         while not self._event.is_set():
             left_s = None if end_s is None else end_s - time.monotonic()

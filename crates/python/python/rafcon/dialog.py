@@ -43,7 +43,7 @@ class Pressed:
 class Text(Pressed):
     """The answer of :func:`text`."""
 
-    #: What stands in the line.
+    #: Content of the line.
     text: str
 
 

@@ -26,7 +26,7 @@ _LOGS = os.path.join("~", ".log", "rafcon")
 #: The exit codes of ``rafcon run`` for outcomes that are not 0; another outcome is 3.
 _EXIT_CODES = {0: 0, -1: 4, -2: 5}
 _NO_RUN = 1
-#: A root that was told to stop has this long (s) to end.
+#: Timeout (s) for the end of a stopped root.
 _STOP_WITHIN_S = 3
 
 

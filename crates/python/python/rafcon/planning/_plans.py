@@ -76,13 +76,13 @@ class Plan:
     """A valid plan."""
 
     steps: tuple
-    #: What the engine says that it costs.
+    #: Cost reported by the engine.
     cost: "float | None"
-    #: How long it takes as planned; 0 for a plan without times.
+    #: Planned duration; 0 for a plan without times.
     makespan: float
-    #: How much longer its machine takes.
+    #: Additional duration of its machine.
     lost: float
-    #: What is wrong with skills or facts all the same.
+    #: Problems found in skills or facts.
     findings: tuple
     _found: dict = field(repr=False)
 

@@ -9,10 +9,10 @@ from rafcon.core.states.container_state import ContainerState
 from rafcon.core.states.library_state import LibraryState
 from rafcon.planning._plans import NoPlan, Unsolvable, plan
 
-#: How long it is waited at a time.
+#: Interval of polling (s).
 _LISTEN_S = 0.005
 
-#: Where states stand that no plan has placed: the space around them, that of their container's name, and their size.
+#: Layout of states without a planned position: margin, height of their container's name, and size.
 _MARGIN, _HEADING, _STATE = 50.0, 60.0, (120.0, 72.0)
 
 REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
@@ -99,7 +99,7 @@ def _replace(host, new):
         for line in new.transitions.values()
         if line.from_state not in own
     ]
-    # Never an id of an earlier plan: whoever follows the run knows those by their old names.
+    # Never reuse an id of an earlier plan: viewers of the run know those by their old names.
     used = {container.state_id, *container.states, *new.states}
     for child in [child for child in new.states.values() if child.state_id not in own]:
         old_id = child.state_id

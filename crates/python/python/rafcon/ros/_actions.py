@@ -15,15 +15,15 @@ from rafcon.ros._services import Gone, NoServer, find_server
 from rafcon.ros._types import full_name
 from rafcon.ros._waits import LOOK_EVERY_S, Waiter
 
-#: A server may take so long (s) to accept a goal.
+#: Timeout (s) for the acceptance of a goal.
 _ACCEPT_S = 5.0
-#: A preempted state waits so long (s) for the end of its goal.
+#: Time (s) that a preempted state waits for the end of its goal.
 CANCEL_WAIT_S = 2.0
 #: Timeout (s) of the result after the end of its goal; megabytes take seconds on a busy computer.
 _RESULT_S = 10.0
-#: A cancellation that is not answered is asked for again after so long (s).
+#: Interval (s) of retries for an unanswered cancellation.
 _CANCEL_AGAIN_S = 0.5
-#: Answers to a cancellation.
+#: Responses to a cancellation.
 _REFUSED, _UNKNOWN = 1, 2
 #: Feedback goes to the log no more often than this (s).
 _LOG_EVERY_S = 1.0
@@ -41,7 +41,7 @@ class ActionResult:
     result: Any = None
     #: The feedback that came last, a :class:`Message`, or None.
     feedback: Any = None
-    #: In words why it ended so, where the outcome alone does not say it.
+    #: Reason, if the outcome alone does not explain the end.
     why: str = ""
 
 
@@ -65,7 +65,7 @@ class _SentGoal:
         self.cancel_answer = None
         #: (status, values) at the end; a status of 0 is a rejection, None a failure with words for values.
         self.end = None
-        #: The final state that the topic of states told, with the time when it did.
+        #: Final state and its time of arrival, from the topic of states.
         self.told = None
 
     def send(self, client, values):
@@ -158,7 +158,7 @@ class _SentGoal:
 
     def _pass_cancel(self):
         self._cancel_sent_s = time.monotonic()
-        # Also when the node is about to end: its back end is there until the last goal has been cancelled.
+        # Also during shutdown of the node: its back end stays until the last goal is cancelled.
         if self.goal is not None and self.end is None:
             try:
                 self.goal.cancel(self._cancelled)

@@ -6,7 +6,7 @@ from rafcon.ros._node import node
 from rafcon.ros._waits import TimedOut, Waiter
 
 _NS = 1_000_000_000
-#: The first message of a simulation is waited for so long (s).
+#: Timeout (s) for the first message of a simulation.
 _FIRST_S = 2.0
 
 

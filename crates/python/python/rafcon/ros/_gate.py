@@ -8,9 +8,9 @@ import collections
 import threading
 import time
 
-#: So many are on their way.
+#: Maximum number of requests in flight.
 _AT_ONCE = 8
-#: A server that does not answer for so long (s) has taken the request, and works for it.
+#: A server without a response after this time (s) has received the request and works on it.
 _TAKEN_S = 1.0
 
 

@@ -14,16 +14,16 @@ import time
 
 from rafcon.ros._liveness import DEFAULT_UNICAST, DOMAIN_GAIN, GROUP, GUID, META_UNICAST, PARTICIPANT_WRITER, PORT, announced
 
-#: It listens for answers for so long (s).
+#: Duration (s) of listening for responses.
 _LISTEN_S = 1.0
-#: It speaks at these times (s): a datagram can get lost.
+#: Times (s) of sending; several, because datagrams can get lost.
 _SPEAK_S = (0.0, 0.1, 0.3)
-#: Peers that hear no multicast are asked at the ports of so many processes of this computer.
+#: Number of local processes whose ports are tried, for peers without multicast.
 _LOCAL_PROCESSES = 16
-#: Peers that do not hear the good-bye forget it after so long (s).
+#: Lease (s), for peers that miss the good-bye.
 _LEASE_S = 2
 _VERSION, _VENDOR, _LEASE, _ENDPOINTS, _KEY_HASH, _STATUS = 0x15, 0x16, 0x02, 0x58, 0x70, 0x71
-#: It announces itself, and hears announcements.
+#: Flags: it announces itself and receives announcements.
 _ANNOUNCES_AND_HEARS = 3
 _DISPOSED_AND_UNREGISTERED = b"\0\0\0\3"
 _HERE = "127.0.0.1"
@@ -48,7 +48,7 @@ class _Greeting:
         #: Where the participant of this process listens, once it has answered.
         self._own_places = ()
         self._answers = {}
-        #: One participant for each of our addresses: who is told of another address by a known one does not answer.
+        #: One participant for each of our addresses: a known participant with another address gets no reply.
         self._spoken_as = {_HERE: os.urandom(12)}
 
     def run(self, closed):
@@ -90,7 +90,7 @@ class _Greeting:
         try:
             self._socket.sendto(content, place)
         except OSError:
-            # Nobody is there, or this network cannot be reached: others can.
+            # Unreachable peer or network; try the others.
             pass
 
     def _hear(self):
@@ -134,7 +134,7 @@ def is_local():
 def is_wanted():
     """Whether the environment leaves it to programs to find each other."""
     is_off = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() == "OFF"
-    # Who must show a certificate does not talk with strangers.
+    # A secured participant does not respond to unknown ones.
     return not is_off and os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true"
 
 

@@ -18,11 +18,11 @@ GROUP = "239.255.0.1"
 PORT, DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
 #: A participant that somebody waits for is asked this often (s).
 _ASK_EVERY_S = 0.2
-#: Participants that are remembered; the one that has been silent for longest is forgotten for one more.
+#: Maximum number of known participants; the one silent for longest is dropped for a new one.
 _PARTICIPANTS_MAX = 1000
-#: The thread looks this often (s) whether it is still wanted.
+#: Interval (s) at which the thread checks if it is still needed.
 _LOOK_EVERY_S = 0.5
-#: So many refusals in a row are an end.
+#: Number of consecutive refusals that mark an end.
 _REFUSALS = 2
 PARTICIPANT_WRITER = 0x000100C2
 GUID, META_UNICAST, DEFAULT_UNICAST, _SENTINEL = 0x50, 0x32, 0x31, 0x01
@@ -111,7 +111,7 @@ class _Participant:
     def __init__(self, places, replaces):
         self.places = places
         self.replaced_s = time.monotonic() if replaces else -math.inf
-        #: Another one has come to its places, and it has said nothing since.
+        #: True if another participant took over its places, and it has been silent since.
         self.is_replaced = False
         self._sockets = []
         self._asked_s = 0.0
@@ -133,7 +133,7 @@ class _Participant:
     def _ask(self):
         if not self._sockets:
             self._sockets = [made for made in map(_connected, self.places) if made is not None]
-        # Of several places all must refuse: one may be an address that means another host here.
+        # All places must refuse: one may be an address that means another host here.
         refused = [_refuses(each) for each in self._sockets]
         if refused and all(refused):
             self._refusals += 1

@@ -146,7 +146,7 @@ def _plain(value):
     return copy.copy(value) if isinstance(value, array.array) else value
 
 
-#: So many items of an array are shown.
+#: Maximum number of array items to show.
 _ITEMS_MAX = 8
 
 

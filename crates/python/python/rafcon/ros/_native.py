@@ -55,7 +55,7 @@ class NativeBackend:
         if self._helper is not None:
             self._helper.close()
 
-    # What it says.
+    # ---- events of the helper
 
     def _heard(self, event):
         if "heard" in event:
@@ -101,7 +101,7 @@ class NativeBackend:
             part._lost(why)
         self._listener.lost(why)
 
-    # What it does.
+    # ---- requests to the helper
 
     def make(self, what, part, **fields):
         """Has the helper make something, and keeps it under its handle."""
@@ -211,7 +211,7 @@ class NativeBackend:
         """Offers an action."""
         return ActionServer(self, name, type_name, asked)
 
-    # Who is there.
+    # ---- the graph
 
     def _known(self):
         with self._lock:

@@ -19,9 +19,9 @@ _KEPT_S = 900.0
 _KEPT_MAX = 1000
 #: Longest wait (s) of a closing server, from the end of a goal until a client requests the result.
 _TAKEN_S = 0.5
-#: An ended goal is in the list of states so long (s).
+#: Time (s) that an ended goal stays in the list of states.
 _LISTED_S = 10.0
-#: Answers to a request to cancel.
+#: Responses to a cancellation.
 _CANCELS, _REFUSED, _UNKNOWN, _ENDED = 0, 1, 2, 3
 
 

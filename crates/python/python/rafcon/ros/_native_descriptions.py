@@ -12,10 +12,10 @@ from rafcon.ros._backend import RosError, UnknownType
 _VARIABLE = "RAFCON_ROS_TYPES"
 
 _SERVICE = "type_description_interfaces/srv/GetTypeDescription"
-#: Users of a type are looked for so long (s), and asked so long.
+#: Timeouts (s) for finding users of a type, and for asking them.
 _FIND_S, _ASK_S = 1.8, 2.0
 _LOOK_EVERY_S = 0.05
-#: So many users are asked, should the first ones not answer.
+#: Maximum number of users to ask, in case the first ones do not respond.
 _USERS_MAX = 3
 
 

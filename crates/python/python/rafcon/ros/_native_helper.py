@@ -22,14 +22,14 @@ from rafcon.ros._native_callbacks import Callbacks
 #: Where the helper is, if it is not beside ``rafcon`` nor in PATH.
 BINARY_VARIABLE = "RAFCON_ROS"
 _NAME = "rafcon-ros.exe" if os.name == "nt" else "rafcon-ros"
-#: It says good-bye to its peers within this time (s); then it is killed.
+#: Timeout (s) for its good-bye to peers; then it is killed.
 _END_S = 1.7
-#: It answers at once; only making a node takes a moment (s).
+#: Response timeout (s); only making a node takes a moment.
 _ANSWER_S = 15.0
-#: What it printed before its end that is told.
+#: Maximum size (bytes) of the reported end of its output.
 _LAST_WORDS = 2000
 
-#: All that are running, so that a forked child can let go of them.
+#: All running helpers, so that a forked child can release them.
 _running = weakref.WeakSet()
 
 
@@ -40,7 +40,7 @@ def found():
         if os.path.isfile(named):
             return named
         raise RosError(f"{BINARY_VARIABLE} names {named}, which is no file")
-    # The supervisor of a run says where the extension is, which lies beside `rafcon`.
+    # The supervisor of a run passes the path of the extension, which is beside `rafcon`.
     near = (os.environ.get("RAFCON_EXTENSION_FILE"), shutil.which("rafcon"), sys.executable)
     for beside in filter(None, near):
         path = os.path.join(os.path.dirname(os.path.realpath(beside)), _NAME)

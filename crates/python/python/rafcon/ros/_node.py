@@ -21,9 +21,9 @@ SIM_TIME_VARIABLE = "RAFCON_ROS_SIM_TIME"
 #: Folders of interface files, separated by colons.
 TYPES_VARIABLE = "RAFCON_ROS_TYPES"
 
-#: A server that is not there is waited for so long (s).
+#: Timeout (s) for finding a server.
 FIND_S = 1.8
-#: So long (s) after its start a node has heard of all others: DDS announces each every three seconds.
+#: Time (s) after which a new node knows all others: DDS announces each every three seconds.
 _HEARD_ALL_S = 3.5
 _LEVELS = ("debug", "info", "warning", "error")
 
@@ -43,7 +43,7 @@ class Node:
         self._lock = threading.RLock()
         self._shared = {}
         self._shared_locks = {}
-        #: Called before the back end closes, each with a name that says what is given back.
+        #: Called before the back end closes; keyed by a name for what is released.
         self.closers = {}
 
     def lost(self, why):
@@ -159,7 +159,7 @@ def _forget(ended):
 
 
 def _made():
-    # Two names tell two runs apart; ROS only warns of nodes of one name, and graphs become unreadable.
+    # Distinct names separate two runs; ROS only warns of duplicate names, and graphs become unreadable.
     namespace = _wanted.get("namespace", "/")
     settings = Settings(
         name=_wanted.get("name", f"rafcon_{os.getpid()}"),

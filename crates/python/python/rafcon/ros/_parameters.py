@@ -30,7 +30,7 @@ def param_get(node_name, name, timeout=5.0, find=FIND_S):
     """
     names = [name] if isinstance(name, str) else list(name)
     response = _ask(node_name, "get_parameters", "GetParameters", {"names": names}, timeout, find)
-    # A node that does not have one of them answers with none at all.
+    # A node that lacks one of them returns an empty list.
     values = [_python(value) for value in response["values"]] if len(response["values"]) == len(names) else [None] * len(names)
     missing = [each for each, value in zip(names, values) if value is None]
     if missing:

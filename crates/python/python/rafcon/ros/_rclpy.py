@@ -22,11 +22,11 @@ from rafcon.ros._rclpy_messages import Classes, interface
 _ANSWERS_MAX = 1000
 #: Each node publishes this.
 _OF_EACH_NODE = "/parameter_events"
-#: So many failures of the executor in a row are its end.
+#: Number of consecutive failures that end the executor.
 _FAILURES_MAX = 10
-#: Who waits for the node's thread looks this often (s) whether it is still there.
+#: Interval (s) at which a waiting caller checks if the node's thread is alive.
 _LOOK_EVERY_S = 0.5
-#: The end of its thread is waited for so long (s).
+#: Timeout (s) for the end of its thread.
 _END_S = 1.0
 
 
@@ -80,7 +80,7 @@ class RclpyBackend:
             except ExternalShutdownException:
                 return self._lose("its context was shut down")
             except Exception as error:
-                # What is destroyed while it is waited for raises now and then.
+                # Destroying an entity during a wait raises occasionally.
                 failures += 1
                 self._listener.say("debug", f"{type(error).__name__}: {error}")
                 if failures >= _FAILURES_MAX:
@@ -366,7 +366,7 @@ class Servers:
             return set()
         alive = self._of_nodes() if self._nodes else set()
         if not alive:
-            # Another may have come since the nodes were looked up.
+            # A new server may have appeared since the last query of the nodes.
             self._nodes = self._backend.serving(self._service)
             alive = self._of_nodes() if self._nodes else {None}
         return {key for key in alive if key is None or self._backend.liveness.replaced_s(key) <= sent_s}

@@ -13,7 +13,7 @@ from unique_identifier_msgs.msg import UUID
 from rafcon.ros import _backend
 from rafcon.ros._rclpy_messages import interface
 
-#: The result of a goal that has ended is asked for again after so long (s).
+#: Delay (s) before the result of an ended goal is requested again.
 _ASK_AGAIN_S = 0.5
 
 
@@ -106,7 +106,8 @@ class ActionClient:
             if sent is not None:
                 sent.tell("status", each.status)
                 if each.status >= _backend.SUCCEEDED and sent.handle is not None and not sent.asked_again:
-                    # A server loses the oldest of many requests and answers; this one has ended, so its result is there.
+                    # A server drops the oldest of many requests and responses; this goal has ended, so its result is
+                    # available.
                     sent.asked_again = True
                     again = threading.Timer(_ASK_AGAIN_S, self._ask_again, (sent,))
                     again.daemon = True
@@ -240,7 +241,7 @@ class ActionServer:
     def _destroy(self):
         for goal in list(self._goals.values()):
             goal.finish_now(_backend.ABORTED, self.parts["Result"].plain(self.type.Result()))
-        # The ends of goals are told by tasks of the executor, which come before this.
+        # Tasks of the executor announce the ends of goals; they run before this one.
         self.backend.executor.create_task(self._server.destroy)
 
 

@@ -13,9 +13,9 @@ from rafcon.ros._types import full_name
 from rafcon.ros._waits import LOOK_EVERY_S, TimedOut, Waiter
 from rafcon.ros._worker import Worker
 
-#: A server that has gone is missed for so long (s) before the wait ends: some come back at once.
+#: Delay (s) before a vanished server ends the wait: some restart at once.
 GONE_S = 0.3
-#: Who served so long (s) ago at most is taken to serve.
+#: Age (s) up to which a found server still counts as present.
 _FOUND_S = 0.5
 _REQUESTS_MAX = 1000
 

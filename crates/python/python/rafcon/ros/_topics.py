@@ -12,11 +12,11 @@ from rafcon.ros._types import full_name, is_ros_object
 from rafcon.ros._waits import LOOK_EVERY_S, TimedOut, Waiter
 from rafcon.ros._worker import Worker
 
-#: A new publisher waits so long (s) for somebody who hears it.
+#: Time (s) that a new publisher waits for a subscriber.
 _MATCH_S = 1.0
-#: Whether somebody hears is looked at this often (s).
+#: Interval (s) of checks for a subscriber.
 _NEAR_S = 0.01
-#: So many messages wait for a slow reader; then the oldest go.
+#: Capacity of the queue for a slow reader; the oldest messages are dropped.
 _QUEUE_MAX = 1000
 
 _QOS = {

@@ -12,7 +12,7 @@ _UNSIGNED = {"byte": 8, "char": 8, "uint8": 8, "uint16": 16, "uint32": 32, "uint
 _RANGES = {name: (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) for name, bits in _SIGNED.items()}
 _RANGES.update({name: (0, (1 << bits) - 1) for name, bits in _UNSIGNED.items()})
 _FLOAT32_MAX = 3.4028235677973366e38
-#: Of a value that is wrong, so much is shown.
+#: Maximum length of a wrong value in a message.
 _SHOWN_MAX = 60
 
 

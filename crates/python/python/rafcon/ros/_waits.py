@@ -8,7 +8,7 @@ from rafcon import _objects, _signals
 from rafcon.core.custom_exceptions import StatePreempted
 from rafcon.ros._backend import RosError
 
-#: What nobody tells, such as whether a server is still there, is looked at this often (s).
+#: Polling interval (s) for conditions without an event, such as the presence of a server.
 LOOK_EVERY_S = 0.05
 
 _waiting = weakref.WeakSet()
@@ -56,7 +56,7 @@ class Waiter:
         """
         end_s = None if timeout is None else time.monotonic() + timeout
         while True:
-            # Rings from here on are not lost: silenced first, looked afterwards.
+            # Clear first, then check, so that no later ring is lost.
             self._event.clear()
             if self._signals is not None:
                 self._signals.nudged = False

@@ -38,7 +38,7 @@ def _remove_if_empty(owner):
 RAFCON_TEMP_PATH_BASE, RAFCON_TEMP_PATH_STORAGE = _made()
 atexit.register(_remove_if_empty, os.getpid())
 
-#: What an observer of a state hears of because the machine runs, and not because somebody edits it.
+#: Methods whose notifications to observers of a state come from execution, not from edits.
 BY_EXECUTION_TRIGGERED_OBSERVABLE_STATE_METHODS = [
     "state_execution_status",
     "_add_new_execution_history",

@@ -5,7 +5,7 @@ import time
 
 from rafcon._values import decode
 
-#: How times stand in files.
+#: Format of times in files.
 TIME_STRING_FORMAT = "%Y-%m-%d %H:%M:%S"
 
 

@@ -11,7 +11,7 @@ from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
 
-#: The modes that stay until the machine goes on by itself: what a command that steps asks for.
+#: Mode after each stepping command; it stays until the machine resumes.
 _STEPS = {
     "step_mode": StateMachineExecutionStatus.STEP_MODE,
     "step_into": StateMachineExecutionStatus.FORWARD_INTO,
@@ -43,7 +43,7 @@ class ExecutionEngine(Observable):
         #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
         self.breakpoint_manager = BreakpointManager()
         self._last_command = None
-        # Whether the run was started to be led elsewhere: that it is held at its beginning does not count.
+        # True if the run was started under external control; its initial hold is then ignored.
         self._is_led = False
         #: Counts how often a branch came to be held in a run of this program; may be set. A step is over when it has grown.
         self.synchronization_counter = 0
@@ -253,7 +253,7 @@ class ExecutionEngine(Observable):
         """The mode follows from the commands: refused with ``CommandNotSupported``."""
         raise CommandNotSupported("ExecutionEngine.set_execution_mode")
 
-    # ---- how it stands
+    # ---- status
 
     def finished_or_stopped(self):
         """Whether the machine has ended or was told to."""

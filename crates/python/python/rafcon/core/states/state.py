@@ -52,7 +52,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     #: Of the root of a machine that is being built: the inputs of its next runs.
     _given_inputs = None
-    #: Of the same: what stands for its outputs until it runs.
+    #: Of such a root: its outputs; placeholders until it runs.
     _given_outputs = None
     #: Of the root of a machine that was loaded: the faults that the log has of it already.
     _problems_told = frozenset()

@@ -12,18 +12,18 @@ from rafcon.ros.bridge import _machines, _mapping
 from rafcon.ros.bridge._client import NoAnswer, Refused
 from rafcon.ros.bridge._mapping import Unfit
 
-#: So many goals at a time; each has a thread of its own, and a runner.
+#: Maximum number of concurrent goals; each has a thread of its own, and a runner.
 GOALS_MAX = 8
 #: Levels of lists and objects in `inputs`; the server parses 127.
 DEPTH_MAX = 100
 _TOO_DEEP = f"`inputs` has more than {DEPTH_MAX} levels of lists and objects: send fewer"
-#: A machine may take so long to load (s).
+#: Timeout (s) for loading a machine.
 _START_S = 130.0
-#: A goal looks this often whether it is cancelled (s).
+#: Interval (s) at which a goal checks for cancellation.
 _LOOK_S = 0.02
 #: A runner that died may be followed by another within this time (s).
 _CRASHED_S = 1.0
-#: A run that is not told of for this time (s) is gone.
+#: A run missing from the status for this time (s) is lost.
 _MISSING_S = 10.0
 #: Outcomes that are no success.
 _FAILURES = ("aborted", "preempted")
@@ -51,7 +51,7 @@ class Goals:
 
     def __init__(self, client, watch, build, tell):
         self._client = client
-        #: ``build(type, values)`` makes a message, or raises what says why not.
+        #: ``build(type, values)`` makes a message, or raises an error with the reason.
         self._build = build
         self._watch = watch
         self._tell = tell
@@ -157,7 +157,7 @@ class Goals:
     def _ended(self, received, asked, now):
         try:
             outputs = self._outputs(now)
-            # It is made whole here, so that what does not fit is told to the client.
+            # Build it here, so that the client receives an error if it does not fit.
             result = asked.result(now.id, now.outcome, outputs, "")
             self._build(asked.type + "_Result", result)
         except (Unfit, Refused, NoAnswer, TypeError, ValueError) as error:

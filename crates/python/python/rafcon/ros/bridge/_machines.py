@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from rafcon.core.storage import storage
 
-#: Where a machine says in the semantic data of its root that it is an action: ``{"ros": {"action": {"name": …, "type": …}}}``.
+#: Keys in the semantic data of a root that make it an action: ``{"ros": {"action": {"name": …, "type": …}}}``.
 SECTION, ENTRY = "ros", "action"
 _FILE = "semantic_data.json"
 #: Folders in folders.
@@ -104,7 +104,7 @@ def check_inputs(machine, names):
     try:
         ports = storage.load_state_machine_from_path(machine.folder).root_state.input_data_ports
     except (ValueError, OSError):
-        # Whoever starts it says why it cannot be read.
+        # The start reports why it cannot be read.
         return ""
     known = sorted(port.name for port in ports.values())
     strange = sorted(set(names) - set(known))

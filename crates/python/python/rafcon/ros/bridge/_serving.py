@@ -18,9 +18,9 @@ RUN_MACHINE = "rafcon_msgs/action/RunMachine"
 WAY_OUT = (
     "build the package ros/rafcon_msgs of RAFCON in a workspace of ROS and source it, or put rafcon-ros beside rafcon, which has these types"
 )
-#: Goals have so long (s) for their last words.
+#: Time (s) for goals to send their last messages.
 _LAST_WORDS_S = 1.0
-#: The node is looked at this often (s).
+#: Interval (s) of checks of the node.
 _LOOK_S = 1.0
 
 

@@ -5,9 +5,9 @@ import threading
 from rafcon.ros.bridge._client import NoAnswer, Refused
 from rafcon.ros.bridge._mapping import active_states
 
-#: While runs are in progress they are looked at this often (s); otherwise the server is asked this often (s).
+#: Polling intervals (s) with and without runs in progress.
 BUSY_S, IDLE_S = 0.1, 0.5
-#: So many runs that are over are told.
+#: Maximum number of ended runs to report.
 _OVER_MAX = 20
 _LIVE = ("starting", "live")
 
@@ -59,7 +59,7 @@ class Watch:
         #: Whether the server did not answer when it was asked last.
         self.is_blind = False
         self.files_revision = None
-        #: Runs of goals, which are told however many are over.
+        #: Runs of goals; always reported, even when many have ended.
         self.followed = set()
 
     def look(self):

@@ -5,7 +5,7 @@ from rafcon.utils.ros2._message import replace_chars, set_field_from_inputs
 from rafcon.utils.ros2._shared import available, forget, shared
 
 _PUBLISHERS = "ros_publishers"
-#: ROS 2 does not tell when a subscriber comes, so it is asked this often.
+#: Polling interval; ROS 2 does not announce subscribers.
 _ASK_EVERY_S = 0.05
 
 

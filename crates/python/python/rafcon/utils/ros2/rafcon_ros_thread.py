@@ -19,7 +19,7 @@ class ROSThread:
     def __init__(self, executor, node):
         self.executor = executor
         self.node = node
-        # It must not hold this object, or that would never be let go.
+        # The thread must not hold this object, or it would never be released.
         self.rafcon_ros_thread = threading.Thread(target=executor.spin, name="ros", daemon=True)
 
     def start_thread(self):

@@ -5,7 +5,7 @@ from rafcon.utils.ros2._message import get_field, replace_chars, set_field_from_
 from rafcon.utils.ros2._shared import available, forget, shared
 
 _CLIENTS = "ros_clients"
-#: ROS 2 does not tell when a service comes, so it is asked this often.
+#: Polling interval; ROS 2 does not announce services.
 _ASK_EVERY_S = 0.05
 
 
