@@ -132,7 +132,7 @@ pub(crate) struct Keeping {
     pub(crate) on_crash: Option<OnCrash>,
 }
 
-/// How much of a run is recorded.
+/// Level of detail in the record of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Level {
     /// Everything; the run can be replayed and resumed
@@ -143,7 +143,7 @@ pub(crate) enum Level {
     Off,
 }
 
-/// What to do with scripts that a crash interrupted.
+/// Policy for scripts that a crash interrupted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OnCrash {
     /// Wait until a user decides

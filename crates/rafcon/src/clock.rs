@@ -15,7 +15,7 @@ impl Clock {
         Self(Instant::now())
     }
 
-    /// How long it has been running.
+    /// Time since its start.
     pub(crate) fn now(self) -> Duration {
         self.0.elapsed()
     }

@@ -1,26 +1,26 @@
-//! What the program takes from its environment, read once where it starts and passed on as a value.
+//! Inputs from the environment, read once at the start and passed on as a value.
 
 use rafcon_supervisor::ProgramEnvironment;
 use std::env;
 use std::fmt;
 use std::path::PathBuf;
 
-/// The variables that mean something here, and where this program stands.
+/// Environment variables of this program, and its location.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Environment {
-    /// What runners and the folders of runs are found by.
+    /// Locations of runners and of the folders of runs.
     pub(crate) surroundings: ProgramEnvironment,
-    /// The folder of programs' configuration: `XDG_CONFIG_HOME`, else the usual one.
+    /// The folder of the programs' configuration: `XDG_CONFIG_HOME` or its default.
     pub(crate) config_home: Option<PathBuf>,
-    /// `RAFCON_TOKEN`: lets one in at a server.
+    /// `RAFCON_TOKEN`: a token for a server.
     pub(crate) token: Option<Secret>,
-    /// Options that stand in the environment: `RAFCON_PYTHON` and `RAFCON_RUNS`.
+    /// Options from the environment: `RAFCON_PYTHON` and `RAFCON_RUNS`.
     pub(crate) options: [Option<PathBuf>; 2],
-    /// `USER`, or the number of the user: who gives commands.
+    /// `USER`, or the number of the user: the author of commands.
     pub(crate) user: String,
     /// `NO_COLOR` is set and not empty.
     pub(crate) no_color: bool,
-    /// `TERM` says that the terminal can do nothing but lines.
+    /// True if `TERM` names a terminal that supports only lines.
     pub(crate) dumb_terminal: bool,
     /// The locale's text is UTF-8.
     pub(crate) unicode: bool,
@@ -36,7 +36,7 @@ impl fmt::Debug for Secret {
     }
 }
 
-/// A variable's text, for whoever expands variables in files.
+/// Value of a variable, for variables in files.
 pub(crate) fn variable(name: &str) -> Option<String> {
     env::var_os(name)?.into_string().ok()
 }

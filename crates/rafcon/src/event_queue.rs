@@ -22,38 +22,38 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync
 use std::thread;
 use std::time::Duration;
 
-/// How many causes wait at most.
+/// Capacity of the queue of causes.
 const QUEUE: usize = 256;
-/// How many messages are handed over at once at most.
+/// Maximum number of messages in one cause.
 const BATCH: usize = 512;
-/// How often it is looked whether the keyboard is still ours.
+/// Interval of checks that the keyboard belongs to this process group.
 const KEYS_EVERY: Duration = Duration::from_millis(200);
 /// Longer lines of raw output are cut into pieces.
 const RAW_LINE: u64 = 64 * 1024;
 
-/// What is told of an engine that takes no inputs.
+/// Message about an engine that takes no inputs.
 pub(crate) const STUCK: &str = "the run hangs: its process answers, but its engine takes no inputs; a stop ends the process if necessary";
 
 /// Something that happened.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Cause {
-    /// The runner said who it is.
+    /// First message of the runner, with its identity.
     Hello(Hello),
-    /// The runner said something, in order.
+    /// Messages of the runner, in order.
     Messages(Vec<ToViewer>),
-    /// The runner said something that is no message.
+    /// Data of the runner that is not a valid message.
     Nonsense(String),
-    /// The runner says nothing more.
+    /// The runner closed its connection.
     Silence,
-    /// Nothing is heard of the run any more, and why; whoever hears it is trying again.
+    /// The connection to the run broke, with the reason. The follower reconnects.
     Cut(String),
-    /// It is heard again; in words.
+    /// The connection is restored; with a message.
     Mended(String),
-    /// Whoever lets us hear it does not any more.
+    /// The server revoked our access.
     Refused(String),
     /// A line of output that the runner did not log: after its run, or of a dying interpreter.
     Raw(Stream, String),
-    /// Nothing more comes from that pipe: whoever held it has closed it.
+    /// The pipe ended: its holders have closed it.
     Drained(Stream),
     /// The runner's process ended.
     Exited(Exit),
@@ -61,29 +61,29 @@ pub(crate) enum Cause {
     Interrupt(StopSignal),
     /// A key of the terminal.
     Key(Key),
-    /// What a key leads to.
+    /// The action of a key.
     UserAction(UserAction),
-    /// The terminal is gone.
+    /// The terminal hung up.
     HungUp,
     /// Ctrl-Z.
     Suspend,
-    /// Nothing, for a while.
+    /// A while passed without another cause.
     Tick,
 }
 
-/// The way to a run that is someone else's: its socket, or a server.
+/// A connection to an external run: its socket, or a server.
 pub(crate) trait Line {
     /// Says something to the run, without waiting for it. False if too many messages wait already: this one is dropped.
     fn say(&mut self, message: &ToRunner) -> Result<bool>;
 }
 
-/// Adds a message for a run to a queue without waiting. False if it is full. A receiver that is gone reports itself.
+/// Adds a message for a run to a queue without waiting. False if the queue is full. A disconnected receiver reports itself.
 pub(crate) fn offer(queue: &SyncSender<ToRunner>, message: &ToRunner) -> bool {
     !matches!(queue.try_send(message.clone()), Err(TrySendError::Full(_)))
 }
 
 impl Line for UnixStream {
-    /// A runner that does not listen any more is noticed by its silence. It goes by this computer's clock.
+    /// Sends a message, dated by this computer's clock. A dead runner is detected by its silence.
     fn say(&mut self, message: &ToRunner) -> Result<bool> {
         let line = match message {
             ToRunner::Command(envelope) => {
@@ -112,12 +112,12 @@ pub(crate) fn line_to(folder: &Path, control: UnixStream) -> Box<dyn Line> {
     if is_replica { Box::new(StationLine(control)) } else { Box::new(control) }
 }
 
-/// The queue, and who fills it. Sources of an earlier runner are not heard any more.
+/// The queue with its sources. Events from sources of an earlier runner are dropped.
 #[derive(Debug)]
 pub(crate) struct EventQueue {
     queue: SyncSender<(u32, Cause)>,
     causes: Receiver<(u32, Cause)>,
-    /// Which runner is listened to.
+    /// Number of the current runner.
     life: u32,
 }
 
@@ -239,8 +239,8 @@ fn keys(queue: &Queue) -> Flow {
     Ok(())
 }
 
-/// Whether something was typed, after some waiting. Nothing if the terminal hung up: its input is at the end for ever, and
-/// reading it would never rest.
+/// True if input arrived within [`KEYS_EVERY`]. `None` if the terminal hung up: its input then stays at the end, and
+/// reading it would loop forever.
 fn has_input() -> Option<bool> {
     let stdin = std::io::stdin();
     let mut wanted = [PollFd::new(&stdin, PollFlags::IN)];
@@ -254,18 +254,18 @@ fn has_input() -> Option<bool> {
     (!is_gone).then(|| seen.contains(PollFlags::IN))
 }
 
-/// Whether the terminal's input is ours: a program in the background that reads it would be stopped. Nothing if the
-/// terminal is gone.
+/// True if the terminal's input belongs to this process group; reading it from the background would stop the program.
+/// `None` if the terminal hung up.
 fn in_front() -> Option<bool> {
     let group = rustix::termios::tcgetpgrp(std::io::stdin()).ok()?;
     Some(group == rustix::process::getpgrp())
 }
 
-/// The other end went away: no one wants to know any more.
+/// The receiver has disconnected.
 #[derive(Debug)]
 pub(crate) struct Gone;
 
-/// Whether it continues.
+/// Result of a step: continue, or stop.
 pub(crate) type Flow = Result<(), Gone>;
 
 fn messages(control: UnixStream, queue: &Queue, mut events: StreamReader) -> Flow {
@@ -301,7 +301,7 @@ fn nonsense(error: impl std::error::Error) -> Cause {
     Cause::Nonsense(error.to_string())
 }
 
-/// The next line; nothing at the end, which a broken connection is too.
+/// The next line; `None` at the end or on a broken connection.
 fn line(lines: &mut impl BufRead) -> Option<String> {
     let mut text = Vec::new();
     match lines.read_until(b'\n', &mut text) {

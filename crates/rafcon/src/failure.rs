@@ -16,7 +16,7 @@ impl fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Tells the user, and says how the program ends. A reader that went away is no failure.
+/// Reports an error and returns the exit code. A closed output pipe is no failure.
 pub(crate) fn show(error: &anyhow::Error) -> ExitCode {
     if is_broken_pipe(error) {
         return ExitCode::SUCCESS;
@@ -25,7 +25,7 @@ pub(crate) fn show(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
 }
 
-/// Writes to the error output; if that is gone there is no one to tell.
+/// Writes to the error output; ignores a closed one, because no other channel exists.
 pub(crate) fn complain(text: &str) {
     io::stderr().write_all(format!("{}\n", text.trim_end()).as_bytes()).unwrap_or_default();
 }

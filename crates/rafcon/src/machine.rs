@@ -1,4 +1,4 @@
-//! Reading a machine and its libraries, the same way for every command. Knows what the command line says about that.
+//! Loading of machines and libraries, common to all commands. Knows the related options.
 
 use crate::cli;
 use crate::environment::variable;
@@ -7,14 +7,14 @@ use anyhow::{Context as _, Result, bail};
 use rafcon_storage::{Libraries, Loaded, config, load, roots};
 use std::path::{Path, PathBuf};
 
-/// Where a machine and its libraries come from.
+/// Locations of a machine and its libraries.
 #[derive(Debug, Clone)]
 pub(crate) struct Source {
     /// Folder of the machine or a file in it.
     pub(crate) machine: PathBuf,
     /// Library roots of the command line.
     pub(crate) libraries: Vec<(String, PathBuf)>,
-    /// The config that was named.
+    /// The config file from the command line.
     pub(crate) config: Option<PathBuf>,
 }
 
@@ -33,7 +33,7 @@ impl Source {
         Self { machine, libraries: Vec::new(), config: None }
     }
 
-    /// Reads the machine; whatever is wrong with the libraries' roots is told at once.
+    /// Loads the machine; reports problems of the library roots as warnings.
     pub(crate) fn load(&self) -> Result<Loaded> {
         let (config, _file) = config::find(self.config.as_deref(), &variable)?;
         let (roots, notes) = roots(&config, &variable, &self.libraries);
@@ -46,7 +46,7 @@ impl Source {
         self.load_with(&Libraries::new(roots))
     }
 
-    /// Reads the machine and says nothing.
+    /// Loads the machine without any output.
     pub(crate) fn load_quietly(&self) -> Result<Loaded> {
         let (config, _file) = config::find(self.config.as_deref(), &variable)?;
         let (roots, _notes) = roots(&config, &variable, &self.libraries);
@@ -58,7 +58,7 @@ impl Source {
     }
 }
 
-/// The path from the root of the file system; it is said to a runner, and so must be text.
+/// The absolute path, which must be UTF-8 because runners receive it as text.
 fn absolute(path: &Path) -> Result<PathBuf> {
     let absolute = std::path::absolute(path)
         .with_context(|| format!("cannot find the path {}", path.display()))?;

@@ -42,7 +42,7 @@ pub(crate) struct Link {
     pub(crate) profile: LinkProfile,
 }
 
-/// What is known of a link before it is measured.
+/// Initial assumptions about a link, until it is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum LinkProfile {
     /// A cable or a good wireless network: 50 Mbit/s

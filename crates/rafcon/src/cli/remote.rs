@@ -133,7 +133,7 @@ pub(crate) struct Fetch {
     pub(crate) access: Access,
 }
 
-/// What to do about control.
+/// Request about control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Wanted {
     /// Show who is in control, and who requests it

@@ -137,7 +137,7 @@ pub(crate) enum UserAction {
     },
 }
 
-/// What a user may do.
+/// Rights of a user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Role {
     /// Only watches

@@ -3,17 +3,17 @@
 use std::fmt;
 use std::net::IpAddr;
 
-/// Where a server listens if no one says otherwise.
+/// Default port of a server.
 const USUAL_PORT: u16 = 4747;
 
 /// Scheme, host and port of a server, and the path below which a reverse proxy has it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Address {
-    /// Whether TLS is spoken there.
+    /// True for a server with TLS.
     pub(crate) is_secure: bool,
-    /// Name or number; an IPv6 one without brackets.
+    /// Name or IP address; an IPv6 address without brackets.
     pub(crate) host: String,
-    /// Port.
+    /// TCP port.
     pub(crate) port: u16,
     /// The path, such as `/robot`; empty without one.
     pub(crate) base: String,
@@ -42,13 +42,13 @@ impl Address {
         Ok((Self { is_secure, host, port, base }, token.map(str::to_owned)))
     }
 
-    /// Whether it is this computer's own, without any network between.
+    /// True for an address of this computer itself.
     pub(crate) fn is_loopback(&self) -> bool {
         let number = self.host.parse::<IpAddr>().ok();
         self.host == "localhost" || number.is_some_and(|number| number.is_loopback())
     }
 
-    /// Host and port, as a request names them.
+    /// Host and port in the form for requests.
     pub(crate) fn authority(&self) -> String {
         let Self { host, port, .. } = self;
         if host.contains(':') { format!("[{host}]:{port}") } else { format!("{host}:{port}") }

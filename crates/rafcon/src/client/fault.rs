@@ -1,4 +1,4 @@
-//! Why something could not be done at a server. Knows what can be tried again, and what cannot.
+//! Errors of operations at a server. Knows which operations can be retried.
 
 use super::Fingerprint;
 use rafcon_protocol::api::Refusal;
@@ -6,64 +6,64 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// What went wrong.
+/// Cause of a failed operation.
 #[derive(Debug)]
 pub(crate) enum Fault {
-    /// The server cannot be reached, or went away in the middle.
+    /// The server cannot be reached, or the connection could not be completed.
     Unreachable {
         /// Its address.
         server: String,
-        /// Why.
+        /// Underlying I/O error.
         source: io::Error,
     },
-    /// The connection broke in the middle of a talk: what was said may have arrived.
+    /// The connection broke during the exchange: the request may have arrived.
     Lost {
         /// Its address.
         server: String,
-        /// Why.
+        /// Underlying I/O error.
         source: io::Error,
     },
-    /// It has another certificate than it had, or than was named.
+    /// The certificate differs from the saved or named one.
     Changed {
         /// Its address.
         server: String,
-        /// What is expected.
+        /// The expected certificate.
         known: Fingerprint,
-        /// What it has.
+        /// The certificate of the server.
         seen: Fingerprint,
     },
-    /// It has a certificate that no one has vouched for.
+    /// The certificate is unknown, and no one has vouched for it.
     Unknown {
         /// Its address.
         server: String,
-        /// What it has.
+        /// The certificate of the server.
         seen: Fingerprint,
     },
     /// The file with the token cannot be read.
     NoToken {
-        /// Which one.
+        /// Path of the file.
         file: PathBuf,
-        /// Why not.
+        /// Underlying I/O error.
         source: io::Error,
     },
-    /// It said no.
+    /// The server refused the request.
     Refused {
-        /// HTTP's number for it.
+        /// HTTP status.
         status: u16,
-        /// Its words.
+        /// Code and message of the server.
         refusal: Refusal,
     },
-    /// It said something that makes no sense here.
+    /// The response is not valid here.
     Nonsense {
         /// Its address.
         server: String,
-        /// What is wrong with it.
+        /// Description of the problem.
         what: String,
     },
 }
 
 impl Fault {
-    /// Whether it may go away by itself: the connection is the reason, not the words.
+    /// True if a retry may succeed: the cause is the connection or the load, not the request.
     pub(crate) fn is_passing(&self) -> bool {
         match self {
             Self::Unreachable { .. } | Self::Lost { .. } | Self::NoToken { .. } => true,
@@ -72,7 +72,7 @@ impl Fault {
         }
     }
 
-    /// Whether the server may have done what it was asked for.
+    /// True if the server may have executed the request.
     pub(crate) fn may_have_arrived(&self) -> bool {
         match self {
             Self::Lost { .. } => true,

@@ -4,12 +4,12 @@ use std::fmt;
 
 const BYTES: usize = 32;
 
-/// What a certificate is known again by.
+/// SHA-256 hash that identifies a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Fingerprint([u8; BYTES]);
 
 impl Fingerprint {
-    /// Of a certificate as it travels.
+    /// The fingerprint of a certificate in DER form.
     pub(crate) fn of(certificate: &[u8]) -> Self {
         let digest = ring::digest::digest(&ring::digest::SHA256, certificate);
         let mut bytes = [0; BYTES];
@@ -17,7 +17,7 @@ impl Fingerprint {
         Self(bytes)
     }
 
-    /// As people write it: 64 hexadecimal digits, with or without colons between.
+    /// Parses the form that people write: 64 hexadecimal digits, with or without colons between.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         let text = text.strip_prefix("SHA256:").or(text.strip_prefix("sha256:")).unwrap_or(text);

@@ -18,16 +18,16 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// How many words to the run may wait.
+/// Capacity of the queue of messages to the run.
 const QUEUE: usize = 256;
-/// So often the server is asked whether it is there, which also shows that this side is.
+/// Interval of pings, which also keep the connection alive on the other side.
 const ASK: Duration = Duration::from_secs(5);
-/// After so long without a word it is not.
+/// Timeout of a connection without received data.
 const SILENCE: Duration = Duration::from_secs(15);
 /// Times between attempts to connect, in ms; the last one repeats.
 const PAUSES_MS: [u64; 6] = [100, 200, 500, 1000, 2000, 5000];
 
-/// The way to a run through its server.
+/// A connection to a run through its server.
 #[derive(Debug)]
 pub(crate) struct Following {
     words: SyncSender<ToRunner>,
@@ -100,7 +100,7 @@ impl Follower<'_> {
         Ok(())
     }
 
-    /// Talks until the connection breaks, and says why it did.
+    /// Exchanges messages until the connection breaks; returns the reason.
     fn talk(&mut self, mut socket: Socket) -> Result<Broken, Gone> {
         let (mut heard_at, mut asked_at) = (self.clock.now(), self.clock.now());
         loop {
@@ -141,13 +141,13 @@ impl Follower<'_> {
         }
     }
 
-    /// How long the session can do without the time.
+    /// Maximum wait until the session needs the next tick.
     fn patience(&self) -> Duration {
         let left = self.session.wake_at_ms().map(|at| at.saturating_sub(since_1970_ms()));
         left.map_or(Duration::MAX, |ms| Duration::from_millis(ms.max(PAUSES_MS[0])))
     }
 
-    /// Takes one frame in.
+    /// Receives one frame.
     fn read(
         &mut self,
         socket: &mut Socket,
@@ -160,7 +160,7 @@ impl Follower<'_> {
         Ok(())
     }
 
-    /// Takes in what is to be said to the run.
+    /// Receives the queued messages for the run.
     fn listen(&mut self, todo: &mut Todo) {
         loop {
             match self.said.try_recv() {

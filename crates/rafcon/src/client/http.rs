@@ -1,4 +1,4 @@
-//! Requests and answers. Knows HTTP and JSON, but not what is asked.
+//! Requests and responses. Knows HTTP and JSON, but not the purpose of a request.
 
 use super::{Address, Fault, Fingerprint, Stream};
 use rafcon_protocol::api::Refusal;
@@ -13,9 +13,9 @@ use ureq::unversioned::transport::{
 };
 use ureq::{Agent, Body};
 
-/// How long a server may think: it answers to the start of a run when the machine is loaded.
+/// Response timeout. It is long because a server responds to the start of a run after the machine is loaded.
 const RESPONSE_TIMEOUT: Duration = Duration::from_mins(2);
-/// Answers are not longer than this: a machine of 100,000 states is one of the long ones.
+/// Maximum size of a response, in bytes. A machine of 100,000 states is among the largest.
 const ANSWER_MAX: u64 = 512 * 1024 * 1024;
 
 /// Makes requests to one server.
@@ -112,12 +112,12 @@ impl Http {
     }
 }
 
-/// An answer that was no refusal.
+/// A successful response.
 #[derive(Debug)]
 pub(super) struct Answer<T> {
-    /// What was said.
+    /// Content of the response.
     pub(super) body: T,
-    /// The cookies that came with it, as they are sent back.
+    /// Cookies of the response, in the form for the next request.
     pub(super) cookies: String,
 }
 

@@ -7,7 +7,7 @@ use rafcon_server::AddressFile;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 
-/// What is known before a server is met.
+/// Inputs for the decision to trust a server.
 #[derive(Debug)]
 pub(crate) struct TrustDecision<'a> {
     /// The address that the user wrote.
@@ -18,14 +18,14 @@ pub(crate) struct TrustDecision<'a> {
     pub(crate) token: Option<&'a str>,
     /// The certificate that the user vouches for.
     pub(crate) fingerprint: Option<&'a str>,
-    /// What is remembered.
+    /// The saved certificates and tokens.
     pub(crate) notebook: &'a CredentialStore,
     /// The folder of this computer's own server.
     pub(crate) state: Option<&'a Path>,
 }
 
 impl TrustDecision<'_> {
-    /// The server, if it is the one that it should be.
+    /// Connects to the server if its certificate is trusted.
     pub(crate) fn meet(&self) -> Result<Server> {
         let (address, token) = Address::parse(self.url).map_err(Usage)?;
         if !address.is_secure && !address.is_loopback() {
@@ -93,14 +93,14 @@ impl TrustDecision<'_> {
                 Ok(seen)
             }
             Err(fault) => Err(fault.into()),
-            // Without a certificate that is trusted no connection stands.
+            // No connection is made without a trusted certificate.
             Ok(()) => {
                 Err(Usage(format!("--server {address}: the server shows no certificate")).into())
             }
         }
     }
 
-    /// Keeps the certificate. A disk that is full keeps no one from a robot.
+    /// Saves the certificate. A failure, such as a full disk, does not block access to the robot.
     fn remember(&self, address: &Address, print: &Fingerprint) {
         if let Err(error) = self.notebook.remember(address, print) {
             complain(&format!("warning: {error:#}: this certificate is accepted now only"));
@@ -108,12 +108,12 @@ impl TrustDecision<'_> {
     }
 }
 
-/// Whether the server has this certificate.
+/// Checks that the server has this certificate.
 fn check(address: &Address, trusted: Option<Fingerprint>) -> Result<(), Fault> {
     Stream::connect(address, trusted, FRAME_TIMEOUT).map(drop)
 }
 
-/// Whether there is someone to ask.
+/// True if a person can be asked.
 fn may_ask() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }

@@ -1,6 +1,6 @@
-//! A server, as this program uses it: where it is, whether it is the right one, who asks, and what it can be asked.
+//! A server as this program uses it: its address, its certificate, the user's token, and its requests.
 //!
-//! Knows the words of `rafcon_protocol::api` and `rafcon_protocol::socket`. Does not know what they look like to the user.
+//! Knows the types of `rafcon_protocol::api` and `rafcon_protocol::socket`. Does not know how they are shown to the user.
 
 mod address;
 mod fault;
@@ -42,10 +42,10 @@ pub(crate) use stream::Stream;
 use token::Token;
 use ureq::http::{HeaderValue, Method, Request};
 
-/// After so long in the middle of a frame a connection is given up.
+/// Timeout of a connection in the middle of a frame.
 const FRAME_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// One server and whoever asks it.
+/// One server, with the credentials for its requests.
 #[derive(Debug)]
 pub(crate) struct Server {
     pub(crate) address: Address,
@@ -65,7 +65,7 @@ impl Server {
         self.get("/runs")
     }
 
-    /// Starts a run, or says which one the same id has started.
+    /// Starts a run, or returns the run that an earlier request with this id started.
     pub(crate) fn start(&self, request: &StartRun) -> Result<RunSummary, Fault> {
         self.send("/runs", request)
     }
@@ -122,12 +122,12 @@ impl Server {
         self.send(&format!("/robots/{}/commands/release", escaped(robot)), release)
     }
 
-    /// How a run stands.
+    /// State of a run, with its snapshot.
     pub(crate) fn now(&self, run: &str) -> Result<RunNow, Fault> {
         self.get(&format!("/runs/{}", escaped(run)))
     }
 
-    /// Says a command to a run.
+    /// Sends a command to a run.
     pub(crate) fn command(&self, run: &str, envelope: &Envelope) -> Result<CommandAnswer, Fault> {
         self.send(&format!("/runs/{}/commands", escaped(run)), envelope)
     }
@@ -137,12 +137,12 @@ impl Server {
         self.send(&format!("/runs/{}/control", escaped(run)), wanted)
     }
 
-    /// Who commands a run.
+    /// The user in control of a run.
     pub(crate) fn holder(&self, run: &str) -> Result<Control, Fault> {
         self.get(&format!("/runs/{}/control", escaped(run)))
     }
 
-    /// What an active state holds; nothing if it is not active.
+    /// Data of an active state; `None` if it is not active.
     pub(crate) fn state(&self, run: &str, path: &str) -> Result<Option<StateData>, Fault> {
         let data = self.get(&format!("/runs/{}/state?path={}", escaped(run), escaped(path)));
         match data {
@@ -151,7 +151,7 @@ impl Server {
         }
     }
 
-    /// How a run stands.
+    /// A moment of a run.
     pub(crate) fn moment_of_run(&self, run: &str) -> Result<Moment, Fault> {
         self.get(&format!("/runs/{}/moments", escaped(run)))
     }
@@ -198,7 +198,7 @@ impl Server {
     pub(crate) fn open(&self, path: &str) -> Result<impl Read + use<>, Fault> {
         let token = self.token.text()?;
         let mut request = self.request(Method::GET, path, token.as_deref())?;
-        // Of a packed answer that ends early, the last part would be lost.
+        // No compression: if a compressed response ends early, its last part is lost.
         request.headers_mut().insert("accept-encoding", HeaderValue::from_static("identity"));
         self.http.open(request)
     }

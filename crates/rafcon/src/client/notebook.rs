@@ -1,4 +1,4 @@
-//! What this user knows about servers: their certificates and the tokens for them. Files that no one else may read.
+//! Credentials of this user for servers: certificates and tokens, in files that only the user can read.
 
 use super::{Address, Fingerprint};
 use anyhow::{Context as _, Result};
@@ -52,7 +52,7 @@ impl CredentialStore {
         if text.is_empty() {
             return Ok(BTreeMap::new());
         }
-        // The error of the parser could repeat what stands there.
+        // Drop the parser's error: it could contain a token.
         serde_json::from_str(&text).ok().with_context(|| {
             let file = self.folder.join(TOKENS);
             format!("{} is damaged: delete it, and log in again", file.display())

@@ -1,8 +1,8 @@
-//! A run that is followed through a server, over as many connections as that takes. Pure: frames and the time come in, frames
-//! and causes go out.
+//! A run that is followed through a server, over as many connections as needed. Pure: input is frames and the time, output
+//! is frames and causes.
 //!
-//! The cursor of the history and the commands without an answer outlive a connection: the next one continues from there, and is
-//! asked for the same commands by the same ids, which are carried out once.
+//! The cursor of the history and the pending commands outlive a connection. The next connection continues from the cursor
+//! and resends these commands with unchanged ids, so that each is executed once.
 
 use crate::event_queue::{Cause, STUCK};
 use rafcon_protocol::api::{CommandAnswer, LinkState, Refusal, RunNow, RunPhase};
@@ -16,63 +16,63 @@ use rafcon_protocol::{
 const STATUS: u32 = 1;
 /// The subscription of its history.
 const HISTORY: u32 = 2;
-/// A run that crashed is lost after this time, in ms: until then the server may resume it again.
+/// Time, in ms, until a crashed run counts as lost: the server may resume it before.
 const RESUME_WAIT_MS: u64 = 2000;
-/// After so long a command is said again to which the runner had no answer, in ms.
+/// Retry interval, in ms, of commands that the runner did not answer.
 const AGAIN_MS: u64 = 1000;
 
-/// What is to be done.
+/// Actions that result from an input.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Todo {
-    /// To be said to the server.
+    /// Frames for the server.
     pub(super) frames: Vec<ToServer>,
-    /// To be given to whoever follows the run.
+    /// Causes for the program that follows the run.
     pub(super) causes: Vec<Cause>,
-    /// States whose data is asked for, with the id of the request.
+    /// States whose data is requested, with the id of the request.
     pub(super) inspect: Vec<(String, String)>,
 }
 
-/// How the server is heard.
+/// State of the connection to the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Connection {
-    /// Not yet.
+    /// No connection yet.
     Awaited,
-    /// It is.
+    /// Connected.
     Up,
-    /// Not any more, or not at all.
+    /// The connection broke or could not be opened.
     Cut,
 }
 
-/// How the runner is heard by the server.
+/// State of the connection between server and runner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Runner {
-    /// It answers.
+    /// The runner responds.
     Heard,
-    /// It does not answer, though its socket is open.
+    /// It does not respond, though its socket is open.
     Silent,
-    /// It answers, but its engine takes no inputs.
+    /// It responds, but its engine takes no inputs.
     Stuck,
 }
 
-/// What is known about the run that is followed.
+/// State of a followed run.
 #[derive(Debug)]
 pub(super) struct Session {
     run: String,
     wanted: Option<Join>,
-    /// The first event that was not told, once that is known.
+    /// Cursor of the history: the next event to report, once known.
     next: Option<u64>,
-    /// Commands without an answer, the oldest first.
+    /// Pending commands, the oldest first.
     commands: Vec<Envelope>,
-    /// Commands that the server could not bring to the runner yet.
+    /// True if the server could not deliver a command to the runner yet.
     held_back: bool,
-    /// When commands are said again to which the runner had no answer.
+    /// Time of the next retry of unanswered commands.
     again_at_ms: Option<u64>,
     connection: Connection,
-    /// How the server hears the runner, while it has a link to it.
+    /// The server's last report about its link to the runner.
     runner: Runner,
     is_loaded: bool,
     is_over: bool,
-    /// Since when no one runs it, and the last event that there is.
+    /// Time of the crash and number of the last event, while no runner executes the run.
     crashed: Option<(u64, u64)>,
     /// The server's clock minus ours, in ms.
     offset_ms: i64,
@@ -104,7 +104,7 @@ impl Session {
         self.connection == Connection::Up
     }
 
-    /// Whoever follows the run says something to it.
+    /// Handles a message for the run.
     pub(super) fn said(&mut self, message: ToRunner, now_ms: u64, todo: &mut Todo) {
         match message {
             ToRunner::Join(join) => {
@@ -141,7 +141,7 @@ impl Session {
         ToServer::Command { run: self.run.clone(), envelope: envelope.clone() }
     }
 
-    /// The server says something.
+    /// Handles a frame of the server.
     pub(super) fn heard(&mut self, frame: ToClient, now_ms: u64, todo: &mut Todo) {
         match frame {
             ToClient::Welcome { protocol, session, now_ms: theirs, .. } => {
@@ -190,7 +190,7 @@ impl Session {
         self.crashed.filter(|_| !self.is_over).map(|(since, _)| since + RESUME_WAIT_MS)
     }
 
-    /// The time continues: a run that no one resumes is lost, once everything was told.
+    /// Handles the passing of time. A crashed run without a resume counts as lost once all its events are reported.
     pub(super) fn tick(&mut self, now_ms: u64, todo: &mut Todo) {
         if self.is_up() && self.again_at_ms.is_some_and(|at| now_ms >= at) {
             self.say_again(todo);
@@ -203,7 +203,7 @@ impl Session {
         }
     }
 
-    /// The connection is gone.
+    /// Handles the end of the connection.
     pub(super) fn cut(&mut self, reason: &str, todo: &mut Todo) {
         if self.connection != Connection::Cut {
             self.connection = Connection::Cut;
@@ -224,7 +224,7 @@ impl Session {
         self.say_again(todo);
     }
 
-    /// Once it is known from where on, and the first status was told.
+    /// Subscribes to the status of the run, and to its history once the run is loaded.
     fn subscribe(&mut self, todo: &mut Todo) {
         if self.wanted.is_none() || !self.is_up() || self.is_over {
             return;
@@ -300,7 +300,7 @@ impl Session {
         }
     }
 
-    /// Whether the server hears the runner.
+    /// Handles a change of the server's link to the runner.
     fn linked(&mut self, link: LinkState, todo: &mut Todo) {
         let runner = match link {
             LinkState::Up => Runner::Heard,
@@ -322,8 +322,8 @@ impl Session {
         todo.causes.push(Cause::Messages(vec![ToViewer::Answer { id, answer }]));
     }
 
-    /// A command that found no runner is said again when there is one, and one that had no answer after a while; other refusals
-    /// are answers.
+    /// Handles the refusal of a command. A command without a runner is sent again when a runner is available, and an
+    /// unanswered one after an interval. Other refusals are final.
     fn refused(&mut self, id: String, refusal: Refusal, now_ms: u64, todo: &mut Todo) {
         match refusal.code.as_str() {
             "link_lost" => self.held_back = true,
@@ -335,7 +335,7 @@ impl Session {
         }
     }
 
-    /// Whether a command may still be carried out.
+    /// True if a command is pending and has not expired.
     fn is_wanted(&self, id: &str, now_ms: u64) -> bool {
         let theirs = now_ms.saturating_add_signed(self.offset_ms);
         let mut asked = self.commands.iter();
@@ -361,7 +361,7 @@ fn other_version(protocol: u32, program: &str) -> String {
     )
 }
 
-/// What a runner says first.
+/// First message of a runner.
 fn loaded(now: &RunNow) -> ToViewer {
     let (name, run) = (now.run.name.clone(), now.run.id.clone());
     let (states, problems) =
@@ -379,7 +379,7 @@ fn from_now_on(now: &RunNow) -> u64 {
     if is_live(&now.run.phase) { told.unwrap_or(now.run.events) + 1 } else { now.run.events.max(1) }
 }
 
-/// What the runner said last, as old as it is by now.
+/// Last snapshot of the runner, with its times advanced by its age.
 fn aged(now: RunNow) -> Option<Snapshot> {
     let age = now.now_ms.saturating_sub(now.snapshot_ms.unwrap_or(now.now_ms));
     let mut snapshot = now.snapshot?;
@@ -390,7 +390,7 @@ fn aged(now: RunNow) -> Option<Snapshot> {
     Some(snapshot)
 }
 
-/// Whether an event is told to viewers that do not want every one, as a runner does.
+/// True if viewers without a subscription to all events receive this event too, as from a runner.
 fn is_rare(event: &Event) -> bool {
     !matches!(
         event,

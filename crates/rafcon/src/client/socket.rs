@@ -15,22 +15,22 @@ use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket};
 
 const PATH: &str = "/api/v1/socket";
-/// A machine's revision may be long.
+/// Maximum size of a frame, in bytes; a revision of a machine may be long.
 const FRAME_MAX: usize = 256 * 1024 * 1024;
 
-/// Why nothing more comes.
+/// Reason of a broken connection.
 pub(super) type Broken = String;
 
-/// A WebSocket that stands.
+/// An open WebSocket.
 #[derive(Debug)]
 pub(super) struct Socket {
     socket: WebSocket<Stream>,
-    /// Something is still to be written.
+    /// True if data is still to be written.
     is_full: bool,
 }
 
 impl Socket {
-    /// Asks the server to speak in frames from now on.
+    /// Upgrades the connection to a WebSocket.
     pub(super) fn open(
         stream: Stream,
         address: &Address,
@@ -81,7 +81,7 @@ impl Socket {
         }
     }
 
-    /// The next frame that has come; nothing for now.
+    /// The next received frame; `None` if no frame has arrived yet.
     pub(super) fn next(&mut self) -> Result<Option<ToClient>, Broken> {
         loop {
             match self.socket.read() {

@@ -1,4 +1,4 @@
-//! A connection to a server, plain or by TLS. Knows sockets and certificates, but not what is said over them.
+//! A connection to a server, plain or with TLS. Knows sockets and certificates, but not the protocol above them.
 
 use super::trust::Pinned;
 use super::{Address, Fault, Fingerprint};
@@ -9,20 +9,20 @@ use std::net::{SocketAddr, TcpStream, ToSocketAddrs as _};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long one address may take to answer.
+/// Connection timeout for one address.
 const CONNECT: Duration = Duration::from_secs(10);
 
-/// A connection that stands.
+/// An open connection.
 #[derive(Debug)]
 pub(crate) enum Stream {
     /// Without TLS.
     Plain(TcpStream),
-    /// With it.
+    /// With TLS.
     Tls(Box<StreamOwned<ClientConnection, TcpStream>>),
 }
 
 impl Stream {
-    /// Connects; `trusted` is the only certificate that is accepted. Whoever is silent for longer than `patience` is given up.
+    /// Connects. `trusted` is the only accepted certificate; `patience` is the read timeout.
     pub(crate) fn connect(
         address: &Address,
         trusted: Option<Fingerprint>,
@@ -45,7 +45,7 @@ impl Stream {
     }
 }
 
-/// The first of the host's addresses that answers.
+/// Connects to the first reachable address of the host.
 fn reach(address: &Address) -> io::Result<TcpStream> {
     let places: Vec<SocketAddr> =
         (address.host.as_str(), address.port).to_socket_addrs()?.collect();

@@ -1,4 +1,4 @@
-//! The token that says who asks, and where it is from. Its text is never shown.
+//! The user's token and its source. Its text is never shown.
 
 use super::Fault;
 use rafcon_server::AddressFile;
@@ -7,31 +7,31 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where a token is from.
+/// Source of a token.
 #[derive(Clone)]
 pub(crate) enum Token {
-    /// There is none.
+    /// No token.
     None,
-    /// This text.
+    /// A given text.
     Given(String),
-    /// That of this computer's own server, as long as it lives.
+    /// Token of this computer's own server, valid while that server runs.
     Own {
         /// The server's folder.
         state: PathBuf,
-        /// Where it listens.
+        /// Address of the server.
         url: String,
     },
-    /// A file, read again for each connection: a server may get another one when it is started again.
+    /// A file, read again for each connection: a restarted server may have a new token.
     File(PathBuf),
 }
 
 impl Token {
-    /// That of the server that has this folder, and listens here.
+    /// The token of the server with this folder and this address.
     pub(super) fn own(state: &Path, url: &str) -> Self {
         Self::Own { state: state.to_owned(), url: url.to_owned() }
     }
 
-    /// What is sent.
+    /// The text to send.
     pub(super) fn text(&self) -> Result<Option<String>, Fault> {
         match self {
             Self::None => Ok(None),

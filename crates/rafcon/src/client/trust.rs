@@ -16,12 +16,12 @@ pub(super) struct Pinned {
 }
 
 impl Pinned {
-    /// Accepts this certificate; without one it refuses all, and tells what it saw.
+    /// Accepts only this certificate. Without one, refuses all and records the certificate of the server.
     pub(super) fn new(trusted: Option<Fingerprint>) -> Self {
         Self { trusted, seen: OnceLock::new(), provider: Arc::new(ring::default_provider()) }
     }
 
-    /// What signatures and keys are made with.
+    /// Provider of signatures and keys.
     pub(super) fn provider(&self) -> Arc<CryptoProvider> {
         Arc::clone(&self.provider)
     }

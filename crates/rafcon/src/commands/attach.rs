@@ -48,7 +48,7 @@ pub(super) fn attach(
     Ok(ended(&end, &run_id(&folder)))
 }
 
-/// How runs at a server are followed.
+/// Settings for following a run at a server.
 pub(super) struct AtServer<'a> {
     pub(super) server: &'a Arc<Server>,
     pub(super) output: cli::Output,
@@ -57,7 +57,7 @@ pub(super) struct AtServer<'a> {
 }
 
 impl AtServer<'_> {
-    /// Signals and keys, listened to from now on.
+    /// A queue with signals and keys as sources.
     pub(super) fn queue(&self) -> Result<EventQueue> {
         EventQueue::new(has_keys(self.output, self.environment))
     }
@@ -81,7 +81,7 @@ impl AtServer<'_> {
         RunLoop { follower, view, line, group: None, clock }.until_the_end_is_shown(&queue)
     }
 
-    /// How commands name a run.
+    /// Name of a run in commands.
     pub(super) fn named(&self, run: &str) -> String {
         format!("{run} --server {}", self.server.address)
     }
@@ -95,7 +95,7 @@ pub(super) fn ended(end: &End, run: &str) -> ExitCode {
     ExitCode::from(end.code())
 }
 
-/// What the user is told about an end besides what is shown.
+/// Message to the user about an end, in addition to the view.
 fn words(end: &End, run: &str) -> Option<String> {
     match end {
         End::Finished { .. } | End::OnlyWaited { .. } | End::Killed { .. } => None,

@@ -66,11 +66,11 @@ struct FindingLine {
     name: String,
     /// A part of the state; empty for the state as a whole.
     part: String,
-    /// The file, relative to the machine's folder; empty if it is not about a file.
+    /// File relative to the machine's folder; empty if none is concerned.
     file: String,
-    /// What is wrong.
+    /// Description of the problem.
     what: String,
-    /// What can be done.
+    /// Remedy.
     remedy: String,
 }
 
@@ -108,7 +108,7 @@ impl fmt::Display for FindingLine {
     }
 }
 
-/// What Python says about each text, asked in one process that runs none of them. Fails if Python cannot be asked.
+/// Reads all scripts in one Python process, without running them. Fails if Python is not available.
 fn read_scripts(texts: &[&str], interpreter: &Interpreter) -> Result<Vec<Facts>> {
     if texts.is_empty() {
         return Ok(Vec::new());
@@ -126,7 +126,7 @@ fn read_scripts(texts: &[&str], interpreter: &Interpreter) -> Result<Vec<Facts>>
             )
         })?;
     if let Some(mut stdin) = child.stdin.take() {
-        // An interpreter that ends before it has read all says why on its error output.
+        // If the interpreter ends before it has read everything, its error output has the reason.
         stdin.write_all(&request(texts)?).unwrap_or_default();
     }
     let output = child.wait_with_output()?;

@@ -11,7 +11,7 @@ use std::io::{self, Write as _};
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Says what is wanted, and prints who holds control now.
+/// Sends a request about control, and prints the current state of control.
 pub(super) fn control(raw: &cli::Control, environment: &Environment) -> Result<ExitCode> {
     let wanted = wanted(raw)?;
     let server = remote::meet(&raw.server, &raw.access, environment)?;

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::thread;
 use std::time::Duration;
 
-/// So often it is asked how far a value is.
+/// Interval of polling the progress of a value.
 const ASK_EVERY: Duration = Duration::from_millis(500);
 
 /// Lists the large values of an event, or fetches one.

@@ -8,7 +8,7 @@ use rafcon_storage::{config, format};
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-/// Rewrites the machine, or with `--check` only tells what would be rewritten and ends with 1 if something would.
+/// Rewrites the machine. With `--check` it only lists the files that would change, and ends with 1 if any would.
 pub(super) fn fmt(raw: &cli::Fmt) -> Result<ExitCode> {
     let (config, _file) = config::find(None, &variable)?;
     let formatted = format(&raw.path, config.naming, raw.check)?;

@@ -1,4 +1,4 @@
-//! What the commands about kept runs have in common: where they lie, which one is meant, and how things are written.
+//! Shared parts of the commands for recorded runs: their location, their selection, and their output.
 
 use crate::cli;
 use crate::environment::Environment;
@@ -61,7 +61,7 @@ pub(super) fn out() -> BufWriter<StdoutLock<'static>> {
     BufWriter::with_capacity(64 * 1024, io::stdout().lock())
 }
 
-/// What the standard output can show.
+/// Capabilities of the standard output.
 pub(super) fn paint(environment: &Environment) -> Paint {
     let colour = io::stdout().is_terminal() && !environment.no_color;
     Paint { colour, unicode: environment.unicode }
@@ -72,7 +72,7 @@ pub(super) fn nanos(length: Duration) -> u64 {
     u64::try_from(length.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// A length of time as people say it: `2.4 ms`, `340 ms`, and from a second on as everywhere.
+/// A duration for people: `2.4 ms`, `340 ms`, and from a second on as in [`time`].
 pub(super) fn span(length: Duration) -> String {
     match length.as_secs_f64() * 1e3 {
         ms if ms < 9.95 => format!("{ms:.1} ms"),

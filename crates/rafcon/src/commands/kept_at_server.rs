@@ -1,4 +1,4 @@
-//! Runs that a server has kept, read over the network: the same events, moments and files as beside the runs.
+//! Recorded runs of a server, read over the network: events, moments and files as for local runs.
 
 use super::kept::nanos;
 use super::remote;
@@ -15,7 +15,7 @@ use std::io::{self, BufRead as _, BufReader, Read};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// So much is read from the network at once.
+/// Buffer size for reading from the network, in bytes.
 const READ_AT_ONCE: usize = 64 * 1024;
 
 /// A server with runs.
@@ -66,7 +66,7 @@ impl Keeper {
         Ok(Kept { keeper: self, summary: remote::run(&self.server, text)? })
     }
 
-    /// Where two runs part.
+    /// Comparison of two runs.
     pub(super) fn compare(&self, one: &Kept<'_>, other: &Kept<'_>) -> Result<Comparison> {
         Ok(self.server.get(&format!("{}/compare/{}", one.path(), other.id()))?)
     }
@@ -85,7 +85,7 @@ impl Kept<'_> {
         Ok(self.keeper.server.get(&format!("{}/{below}", self.path()))?)
     }
 
-    /// Shows the events that are wanted, as far as they can be had; what is wrong with the rest is told by the answer.
+    /// Shows the selected events that can be read. Returns the damage of the rest.
     pub(super) fn find(
         &self,
         filter: &Filter,
@@ -123,7 +123,7 @@ impl Kept<'_> {
         Ok(self.keeper.server.open(&format!("{}/export?{query}", self.path()))?)
     }
 
-    /// How the run stood at a moment that the user means, and the number of its last event.
+    /// A moment of the run, by event number or time, and the number of the run's last event.
     pub(super) fn moment(&self, at: Option<u64>, time: Option<Duration>) -> Result<(Moment, u64)> {
         let EventPage { last, .. } = self.get("events?from=1&count=1")?;
         let picture: Moment = match (at, time) {
@@ -138,7 +138,7 @@ impl Kept<'_> {
         Ok((picture, last))
     }
 
-    /// What is said of a run whose journal is damaged.
+    /// Error for a damaged journal.
     pub(super) fn damaged(&self, what: &str) -> anyhow::Error {
         anyhow!("the journal of {} is damaged: {what}", self.summary.id)
     }
@@ -149,7 +149,7 @@ fn ended(error: io::Error) -> anyhow::Error {
         .context("the answer of the server is incomplete: the journal is damaged, or the connection was lost")
 }
 
-/// What is wanted, as the server is asked for it.
+/// The filter as the query of a request.
 fn query(filter: &Filter) -> String {
     let Filter { state, outcome, text, kinds, level, from_ns, to_ns } = filter;
     let kinds = (!kinds.is_empty()).then(|| kinds.join(","));

@@ -55,7 +55,7 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
     };
     let written = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&file);
     if let (Ok(_), Some(name)) = (&written, file.file_name()) {
-        // What was offered or taken under a pairing before is void.
+        // Keys from an earlier pairing are void.
         for new in ["offered", "taken"] {
             drop(fs::remove_file(state.join("link/new-keys").join(new).join(name)));
         }
@@ -113,12 +113,12 @@ fn pasted() -> Result<String> {
     Ok(lines.next().transpose()?.unwrap_or_default())
 }
 
-/// Lets the robot's server decide who commands its runs, once it is there.
+/// Lets the robot's server decide who may command its runs, once it has started.
 #[derive(Debug, Default)]
 pub(super) struct ServerAuthority(OnceLock<RunAuthority>);
 
 impl ServerAuthority {
-    /// The server is there.
+    /// Connects the server after its start.
     pub(super) fn set(&self, authority: RunAuthority) {
         self.0.get_or_init(|| authority);
     }
@@ -397,11 +397,11 @@ impl Relays {
         Ok(())
     }
 
-    /// Ends them.
+    /// Stops all threads, and waits for them.
     pub(super) fn stop(self) {
         self.stopper.stop();
         for thread in self.threads {
-            // One that panicked has said so.
+            // A panicked thread has already reported its error.
             thread.join().unwrap_or_default();
         }
     }
@@ -480,7 +480,7 @@ fn pairings(state: &Path, new: &str) -> Result<Vec<Paired>> {
     files.into_iter().filter_map(|file| read(file).transpose()).collect()
 }
 
-/// Whether a change of keys was cut off while it wrote this: the name ends like that of a new file, and is not that of the pairing.
+/// True for a leftover of an interrupted change of keys: a temporary file that is not the pairing's own.
 fn is_leftover(file: &Path, pairing: Option<&Pairing>) -> bool {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let is_its_own = |Pairing { robot, station, .. }: &Pairing| {

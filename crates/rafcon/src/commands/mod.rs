@@ -35,7 +35,7 @@ use crate::environment::Environment;
 use anyhow::Result;
 use std::process::ExitCode;
 
-/// Carries out a command and says how the program ends.
+/// Runs a command and returns the exit code.
 pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<ExitCode> {
     match cli.command {
         Command::Run(request) => run::run(&request, environment, clock),

@@ -1,4 +1,4 @@
-//! What the commands that work at a server have in common: which server, which run, and a machine's names.
+//! Shared parts of the commands for servers: the server, the run, and the names of its machine.
 
 use super::serve;
 use crate::cli;
@@ -15,9 +15,9 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// How often it is asked for the machine of a run that has just begun.
+/// Maximum number of requests for the machine of a new run.
 const MACHINE_TRIES: u32 = 20;
-/// The time between.
+/// Delay between these requests.
 const MACHINE_PAUSE: Duration = Duration::from_millis(100);
 
 /// The server that was named, if one was.
@@ -41,7 +41,7 @@ pub(super) fn meet(url: &str, raw: &cli::Access, environment: &Environment) -> R
     meeting.meet()
 }
 
-/// What this user remembers about servers.
+/// The saved credentials of this user for servers.
 pub(super) fn notebook(environment: &Environment) -> Result<CredentialStore> {
     let folder = environment.config_home.as_ref().map(|folder| folder.join("rafcon"));
     let folder =

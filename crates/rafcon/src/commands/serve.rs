@@ -53,7 +53,7 @@ pub(super) fn serve(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Where the server finds its machines. What is wrong with its configuration, the server says.
+/// Folders and libraries of the server's machines. The server itself reports problems of the configuration.
 fn projects(settings: &Settings) -> Projects {
     let found = config::find(settings.config.as_deref(), &environment::variable);
     let config = found.map(|(config, _file)| config).unwrap_or_default();
@@ -102,7 +102,7 @@ fn project(folder: &Path) -> Result<PathBuf> {
     Ok(real)
 }
 
-/// Tells how the server is reached. A reader that is gone stops no server.
+/// Prints the address of the server. A closed output does not stop the server.
 fn greet(server: &Server) {
     let fingerprint = server.fingerprint().map(|fingerprint| {
         let port = server.address().port();

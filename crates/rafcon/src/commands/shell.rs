@@ -1,4 +1,4 @@
-//! What shells and manuals want to know about the command line.
+//! Shell completions and manual pages of the command line.
 
 use crate::cli::{Cli, Completions};
 use anyhow::Result;

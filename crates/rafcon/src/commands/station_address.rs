@@ -1,5 +1,5 @@
-//! Where a robot reaches its station, as people write it, and how a WebSocket there is opened; and what a station shows to robots that
-//! ask for TLS.
+//! Address of a station in the form that people write, the WebSocket connection to it, and the station's certificate for
+//! robots with TLS.
 
 use super::remote::notebook;
 use crate::client::{Address, Fault, Fingerprint, Stream};
@@ -13,9 +13,9 @@ use std::slice::Iter;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Where a station receives if no one says otherwise.
+/// Default port of a station.
 const USUAL_PORT: u16 = 4748;
-/// Whoever does not answer for so long is dialled no more; others are on their way by then.
+/// Read timeout of a connection; a station without a response is dropped.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Reads `udp://HOST:PORT`, `ws://HOST:PORT` or `wss://HOST:PORT`, the latter two with a path if they like. A station at `wss://` takes the next
@@ -96,7 +96,7 @@ impl Dial for StationDial {
     }
 }
 
-/// Why a station is not reached, and what to do about it.
+/// Reason why a station cannot be reached, with a remedy.
 fn explain(fault: Fault) -> String {
     match fault {
         Fault::Unreachable { source, .. } | Fault::Lost { source, .. } => {

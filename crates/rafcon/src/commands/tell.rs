@@ -1,4 +1,4 @@
-//! `rafcon tell`: one command to a run that is going on, for scripts and for hands without a live view.
+//! `rafcon tell`: sends one command to an active run, for scripts and for people without a live view.
 
 use crate::cli;
 use crate::client::{Fault, Server};

@@ -35,7 +35,7 @@ fn list(users: &Users) -> Result<()> {
     Ok(io::stdout().write_all(lines.as_bytes())?)
 }
 
-/// What a user's token may do at most.
+/// The highest role for a token of a user.
 fn most(users: &Users, name: &str) -> Result<Role> {
     if name == OWNER {
         return Ok(Role::Admin);
@@ -64,7 +64,7 @@ fn word(role: Role) -> &'static str {
     }
 }
 
-/// A new password; whoever types it does so twice.
+/// A new password; on a terminal it must be typed twice.
 fn password(name: &str) -> Result<String> {
     let password = login::password(name)?;
     if io::stdin().is_terminal() && login::password(&format!("{name} again"))? != password {

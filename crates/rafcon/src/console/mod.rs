@@ -1,6 +1,6 @@
-//! The keyboard of a user who watches a run: what a key means, what is asked for next, and the lines that show it.
+//! The keyboard of a user who watches a run: the actions of keys, the next input, and the lines that show both.
 //!
-//! Knows keys, snapshots and commands. Knows nothing of terminals or sockets: keys come in, wishes go out.
+//! Knows keys, snapshots and commands. Knows nothing of terminals or sockets: input is keys, output is actions.
 
 mod answering;
 mod key;
@@ -16,20 +16,20 @@ pub(crate) use prompt::breakpoint;
 use prompt::{Prompt, PromptStep, Purpose};
 use rafcon_protocol::{ActiveState, Command, OnCrash, Phase, RunStatus, Snapshot, StateData};
 
-/// What a key leads to.
+/// Result of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum UserAction {
-    /// Say this to the run.
+    /// Send this command to the run.
     Send(Command),
-    /// Ask what this state holds.
+    /// Request the data of this state.
     Inspect(String),
     /// End this view; the run continues if others may join it.
     Leave,
-    /// Tell the user something.
+    /// Show the user a message.
     Say(String),
 }
 
-/// What the keys are for at the moment.
+/// Current purpose of the keys.
 #[derive(Debug)]
 enum Mode {
     Watch,
@@ -39,7 +39,7 @@ enum Mode {
     Answer(Answering),
 }
 
-/// What a state holds, as far as it is known.
+/// Data of a state, as far as it is known.
 #[derive(Debug)]
 enum Data {
     Asked,
@@ -51,9 +51,9 @@ enum Data {
 #[derive(Debug)]
 pub(crate) struct Console {
     mode: Mode,
-    /// Path of the state that keys are about.
+    /// Path of the selected state.
     selected: Option<String>,
-    /// Whether leaving leaves the run going.
+    /// True if the run continues when the user leaves.
     may_leave: bool,
 }
 
@@ -63,7 +63,7 @@ impl Console {
         Self { mode: Mode::Watch, selected: None, may_leave }
     }
 
-    /// Path of the state that keys are about, if it is still active.
+    /// Path of the selected state, if it is still active.
     pub(crate) fn selected<'s>(&self, snapshot: &'s Snapshot) -> Option<&'s str> {
         let chosen = self.selected.as_deref();
         let found = snapshot.active.iter().find(|state| Some(state.path.as_str()) == chosen);
@@ -105,7 +105,7 @@ impl Console {
         }
     }
 
-    /// What was written is complete, left, or continues.
+    /// Handles a step of a prompt: it is complete, cancelled, or continues.
     fn written(&mut self, step: PromptStep) -> Option<UserAction> {
         let wish = match step {
             PromptStep::More => return None,
@@ -179,7 +179,7 @@ impl Console {
         Some(UserAction::Inspect(path))
     }
 
-    /// What a state holds, if it was asked for.
+    /// Stores the data of a state, if it was requested.
     pub(crate) fn inspected(&mut self, about: &str, answer: Option<StateData>) {
         if let Mode::Look { path, data } = &mut self.mode
             && path == about

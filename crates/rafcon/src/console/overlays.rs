@@ -1,4 +1,4 @@
-//! What covers the view while it is asked for: the meaning of the keys, or the data of one state.
+//! Overlays of the view on request: the meaning of the keys, or the data of one state.
 
 use super::Data;
 use crate::view::{Style, TextLine, harmless, shown};
@@ -35,7 +35,7 @@ pub(super) fn help(may_leave: bool) -> Vec<TextLine> {
 /// Values shown at most in each group.
 const VALUES_MAX: usize = 12;
 
-/// The data of the state at `path`; nothing yet, or nothing at all.
+/// Lines for the data of the state at `path`: pending, no longer active, or received.
 pub(super) fn inspection(path: &str, data: &Data) -> Vec<TextLine> {
     let mut lines = vec![TextLine::of(Style::Strong, harmless(path))];
     match data {

@@ -4,7 +4,7 @@ use super::{Key, UserAction};
 use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Breakpoint, Command, Scope, Unattended, When};
 
-/// What a line is for.
+/// Purpose of an input line.
 #[derive(Debug)]
 pub(super) enum Purpose {
     /// A new breakpoint: `STATE [after] [if CONDITION]`.
@@ -25,7 +25,7 @@ pub(super) struct Prompt {
     complaint: Option<String>,
 }
 
-/// What a key came to.
+/// Result of a key in a prompt.
 #[derive(Debug)]
 pub(super) enum PromptStep {
     More,

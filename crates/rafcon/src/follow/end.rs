@@ -1,38 +1,38 @@
-//! How a run can end, and what the program's exit code says about it.
+//! Ends of a run, and the exit code of the program for each.
 
 use rafcon_protocol::Outcome;
 use rafcon_supervisor::RunnerDeath;
 
-/// Why there is nothing more to do.
+/// Reason for the end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum End {
-    /// The machine came to its end.
+    /// The machine finished.
     Finished {
         /// The root's outcome.
         outcome: Outcome,
-        /// Whether `--timeout` made it stop.
+        /// True if `--timeout` stopped it.
         timed_out: bool,
     },
     /// The machine could only wait, and was stopped because nobody watched.
     OnlyWaited {
-        /// For what it waited.
+        /// The event that it waited for.
         awaited: String,
     },
-    /// The machine could not be loaded, or the run lets no one in.
+    /// The machine could not be loaded, or the run refused the viewer.
     LoadFailed {
-        /// What, where, and the way out.
+        /// Problem, location and remedy.
         reason: String,
     },
-    /// The interpreter ended before it was a runner.
+    /// The interpreter ended before it became a runner.
     NotStarted {
-        /// How it ended, or what is wrong with it.
+        /// Exit status, or a problem with the interpreter.
         reason: String,
         /// Its last lines on the error output.
         said: Vec<String>,
     },
-    /// We killed it: the user asked twice, or it continued after its time was over.
+    /// This program killed it: the user requested it twice, or it continued after its time limit.
     Killed {
-        /// Whether `--timeout` was the reason.
+        /// True if `--timeout` was the reason.
         timed_out: bool,
         /// True if a state may have run. No recovery ran then.
         has_begun: bool,

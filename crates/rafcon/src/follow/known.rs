@@ -1,16 +1,15 @@
-//! What is known of a run that is followed: which states are active, whether its engine takes inputs, and how a process of ours
-//! ended. Pure.
+//! State of a followed run: its active states, the pulse of its engine, and the end of our process. Pure.
 
 use rafcon_protocol::{EnginePulse, Event, Stream, ToRunner, ToViewer};
 use rafcon_supervisor::Exit;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// From one question for the engine to the next.
+/// Interval of pings to the engine.
 const ASK_EVERY: Duration = Duration::from_secs(1);
-/// How long the last words of a dead process are waited for.
+/// Timeout for the last output of a dead process.
 const OUTPUT_TIMEOUT: Duration = Duration::from_millis(500);
-/// How many lines of a dead process's error output are shown.
+/// Maximum number of lines to show of a dead process's error output.
 const TAIL: usize = 12;
 
 /// Paths of the states that are active.
@@ -22,7 +21,7 @@ pub(super) struct Active {
 }
 
 impl Active {
-    /// Takes in what the run says.
+    /// Updates the active states from a message of the run.
     pub(super) fn told(&mut self, message: &ToViewer) {
         match message {
             // A snapshot may come before what happened before it.
@@ -57,7 +56,7 @@ impl Active {
     }
 }
 
-/// Whether the engine takes inputs, asked of its runner from time to time.
+/// Pings the runner periodically to learn if the engine takes inputs.
 #[derive(Debug, Default)]
 pub(super) struct Pulse {
     next: Duration,
@@ -81,7 +80,7 @@ impl Pulse {
         Some(ToRunner::Ping { id: self.asked })
     }
 
-    /// Whether the engine is reached again or not any more, if the answer changes that.
+    /// True if the engine responds again, false if it stopped; `None` without a change.
     pub(super) fn answered(&mut self, engine: EnginePulse) -> Option<bool> {
         let is_reached = engine.is_reached(!self.is_stuck);
         if is_reached != self.is_stuck {
@@ -92,13 +91,13 @@ impl Pulse {
     }
 }
 
-/// How a process of ours ended, and what it said last.
+/// End of our process, with its last output.
 #[derive(Debug, Default)]
 pub(super) struct ProcessEnd {
     exit: Option<Exit>,
     /// Its control connection is closed.
     is_silent: bool,
-    /// Its error output is at the end: no last word is still on its way.
+    /// Its error output is closed: all its output has been read.
     is_drained: bool,
     /// When waiting for last words ends.
     settled_at: Option<Duration>,
@@ -141,12 +140,12 @@ impl ProcessEnd {
         self.settled_at
     }
 
-    /// How it ended, once it has said its last word.
+    /// Exit status, once its connection and error output are closed or the timeout has expired.
     pub(super) fn last_word(&self, now: Duration) -> Option<Exit> {
         self.exit.filter(|_| self.is_silent && self.is_drained || self.is_settled(now))
     }
 
-    /// Whether nothing more is heard of it, and it has ended.
+    /// True if it has exited and its connection is closed, or the timeout has expired.
     pub(super) fn is_over(&self, now: Duration) -> bool {
         self.exit.is_some() && (self.is_silent || self.is_settled(now))
     }

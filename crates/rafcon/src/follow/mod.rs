@@ -1,8 +1,8 @@
-//! One run as the command line follows it, whether this program has started it, asked for it or only looks on: what is to be
-//! done when something happens.
+//! One run as the command line follows it, started or requested by this program, or only watched: the actions after each
+//! cause.
 //!
-//! Knows deadlines, what Ctrl-C means and the reasons of an end. Knows nothing of sockets, processes, terminals or clocks: causes
-//! and the time come in, actions go out.
+//! Knows deadlines, the meaning of Ctrl-C and the reasons of an end. Knows nothing of sockets, processes, terminals or
+//! clocks: input is causes and the time, output is actions.
 
 mod end;
 mod known;
@@ -27,15 +27,15 @@ use stop_requests::StopRequests;
 pub(crate) use stop_requests::StopSignal;
 use waiting::{Unattended, Waiting};
 
-/// How long a machine may take to stop after its time is over, before it is killed.
+/// Time for a machine to stop after its time limit, before it is killed.
 pub(crate) const GRACE: Duration = Duration::from_secs(3);
-/// How long a process may outlive its own end, or its last word its process.
+/// Maximum delay between the end of a run and the exit of its process.
 pub(crate) const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// What is to be done.
+/// A requested action.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Action {
-    /// Say this to the run.
+    /// Send this to the run.
     Send(ToRunner),
     /// End the runner's process group at once.
     Kill,
@@ -43,18 +43,18 @@ pub(crate) enum Action {
     Show(ToViewer),
     /// Show that the run responds, or for how long it has not.
     Heard(Option<Duration>),
-    /// Tell the user.
+    /// Show the user this text.
     Note(String),
 }
 
-/// What this program has to do with the run.
+/// Relation of this program to the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RunRole {
-    /// It looks on, and may leave at any time.
+    /// It watches, and may leave at any time.
     Guest,
-    /// The run was begun for it at a server: the run ends when it says so, and it may leave a run that does not.
+    /// It started the run at a server: the run ends at its request, and it may leave a run that does not end.
     Host,
-    /// It has started the runner's process, and stays until that has ended.
+    /// It started the runner's process, and stays until that has ended.
     Owner,
 }
 
@@ -69,32 +69,32 @@ enum RobotContact {
 #[derive(Debug)]
 pub(crate) struct RunFollower {
     role: RunRole,
-    /// What is wanted from a run that is joined: said in answer to its hello.
+    /// Request to join a run in progress, sent after the runner's hello.
     join: Option<Join>,
-    /// The hello was said and is understood.
+    /// True after a valid hello.
     is_greeted: bool,
-    /// When the machine is stopped because its time is over.
+    /// Time at which the machine is stopped by its time limit.
     deadline: Option<Duration>,
     timed_out: bool,
-    /// When patience ends and the run is killed.
+    /// Time at which the run is killed.
     kill_at: Option<Duration>,
-    /// The run was told to end at once.
+    /// True after a kill command.
     is_kill_sent: bool,
     stop_requests: StopRequests,
     waiting: Waiting,
     unattended: Option<Unattended>,
-    /// Who gives commands.
+    /// Author of commands.
     author: String,
-    /// How the ids of our commands begin: no one else's do.
+    /// Unique prefix of the ids of our commands.
     prefix: String,
     commands: u32,
     active: Active,
-    /// Whether the engine takes inputs, if no one else asks that.
+    /// Pings of the engine, unless the server sends them.
     pulse: Option<Pulse>,
     /// Contact of the station with the robot, if the run is a replica.
     contact: RobotContact,
     process: ProcessEnd,
-    /// The last moment in the run's own time.
+    /// Time of the last event, in the run's own time.
     run_ns: u64,
     end: Option<End>,
 }
@@ -131,12 +131,12 @@ impl RunFollower {
         }
     }
 
-    /// The same, of a run in progress: it is told what is wanted.
+    /// Joins a run in progress with this request.
     pub(crate) fn joining(self, join: Join) -> Self {
         Self { join: Some(join), ..self }
     }
 
-    /// The same, which also finds out whether the engine takes inputs: at a server, that one does.
+    /// Also pings the engine. At a server this is not needed: the server does it.
     pub(crate) fn asking_for_the_engine(self) -> Self {
         Self { pulse: Some(Pulse::default()), ..self }
     }
@@ -270,7 +270,7 @@ impl RunFollower {
         }
     }
 
-    /// What the user should know about the answer to a command of ours.
+    /// Message for the user about the answer to our command.
     fn refusal(&self, answer: Answer) -> Option<String> {
         match answer {
             Answer::Applied => None,
@@ -283,7 +283,7 @@ impl RunFollower {
         }
     }
 
-    /// Whether the engine takes inputs, said when that changes.
+    /// Reports when the engine starts or stops taking inputs.
     fn reached(&mut self, engine: Option<EnginePulse>, out: &mut Vec<Action>) {
         let changed = engine.and_then(|engine| self.pulse.as_mut()?.answered(engine));
         let Some(is_reached) = changed else { return };
@@ -328,8 +328,8 @@ impl RunFollower {
         }
     }
 
-    /// Nothing more is heard. Of a process of ours that is normal at the end, and a defect of a script before; any other runner
-    /// is gone, as we wanted, or not.
+    /// Handles the end of the connection. For our own process this is normal at the end, and earlier a defect of a script.
+    /// Any other runner has died, by our kill command or by itself.
     fn silence(&mut self, now: Duration) {
         match self.role {
             RunRole::Owner => {
@@ -343,7 +343,7 @@ impl RunFollower {
         }
     }
 
-    /// What the time alone brings about, and the death of a process that has said its last word.
+    /// Handles expired deadlines, and the death of a process whose output has been read.
     fn watch(&mut self, now: Duration, out: &mut Vec<Action>) {
         if let Some(exit) = self.process.last_word(now).filter(|_| self.end.is_none()) {
             self.finish(self.death(exit.to_string()));

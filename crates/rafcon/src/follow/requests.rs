@@ -36,7 +36,7 @@ impl RunFollower {
         }
     }
 
-    /// What the user asked for by a key.
+    /// Performs the action of a key.
     pub(super) fn wish(&mut self, wish: UserAction, out: &mut Vec<Action>) {
         match wish {
             UserAction::Send(command) => self.send(command, out),
@@ -72,7 +72,7 @@ impl RunFollower {
     }
 }
 
-/// How a user makes the next request.
+/// Hint for the next request of the user.
 fn again(what: &str) -> String {
     format!("press Ctrl-C again after {} s to {what}", REPETITION.as_secs())
 }

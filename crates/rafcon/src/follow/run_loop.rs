@@ -19,7 +19,7 @@ pub(crate) struct RunLoop {
     pub(crate) follower: RunFollower,
     pub(crate) view: Box<dyn View>,
     pub(crate) line: Box<dyn Line>,
-    /// The runner's processes, if this program has started them: such a run continues unseen when its view is gone.
+    /// The runner's processes, if this program started them: such a run continues without a view if its terminal hangs up.
     pub(crate) group: Option<Group>,
     pub(crate) clock: Clock,
 }
@@ -68,7 +68,7 @@ impl RunLoop {
         queue.next([until, self.view.rhythm()].into_iter().flatten().min())
     }
 
-    /// What concerns this program alone; a key becomes what it stands for.
+    /// Handles causes that concern only this program, and converts keys to actions.
     fn by_itself(&mut self, cause: Cause) -> Cause {
         match cause {
             Cause::Key(key) => return self.view.key(key).map_or(Cause::Tick, Cause::UserAction),

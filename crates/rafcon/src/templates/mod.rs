@@ -11,27 +11,27 @@ mod rover;
 use anyhow::{Result, bail};
 use rafcon_model::State;
 
-/// What the user asked for.
+/// The user's request for a new machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct TemplateRequest {
     /// Name of the root state.
     pub(crate) name: String,
-    /// How many states the machine is to have (`--states`), for templates that come in sizes.
+    /// Number of states (`--states`), for templates of variable size.
     pub(crate) states: Option<usize>,
 }
 
-/// A machine to begin with.
+/// A template for a new machine.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Template {
-    /// What the user writes after `--template`.
+    /// Value of `--template`.
     pub(crate) name: &'static str,
-    /// What it is, in a few words.
+    /// Short description.
     pub(crate) about: &'static str,
-    /// Whether `--states` means something to it.
+    /// True if the template supports `--states`.
     pub(crate) sized: bool,
-    /// The library roots that it needs, by name and where they lie below a copy of this project.
+    /// Required library roots: name, and location below a copy of this project.
     pub(crate) libraries: &'static [(&'static str, &'static str)],
-    /// Makes the root state; the same wish makes the same state.
+    /// Makes the root state; deterministic for a request.
     pub(crate) build: fn(&TemplateRequest) -> Result<State>,
 }
 

@@ -37,7 +37,7 @@ fn root(wish: &TemplateRequest) -> State {
     let pool = Value::List([Value::str("examples/rover")].into());
     let inputs = [(POOL, pool), (WANTED, Value::str(GOAL))];
     let mut again = library("REPLAN", "Plan again", ("planning", "replan"), &inputs);
-    // Where they stand beside the steps of a plan.
+    // Positions next to the steps of a plan.
     observe.layout = layout::entry((50.0, 60.0), (120.0, 72.0), false);
     again.layout = layout::entry((250.0, 60.0), (120.0, 72.0), false);
     let Some(inside) = root.container_mut() else { return root };
@@ -47,7 +47,7 @@ fn root(wish: &TemplateRequest) -> State {
         (Origin::Income, Target::State(observe.id.clone())),
         (at(&observe, 0), Target::State(again.id.clone())),
         (at(&observe, -1), aborted.clone()),
-        // Where the first plan begins, once there is one.
+        // The first step of the first plan follows here later.
         (at(&again, 0), success.clone()),
         (at(&again, 1), success),
         (at(&again, 2), aborted.clone()),

@@ -17,7 +17,7 @@ pub(crate) struct Json<W: Write> {
     finished: Option<Event>,
 }
 
-/// How a run ends that does not come to its end.
+/// End of a run without an outcome.
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 enum CutOff<'a> {

@@ -8,7 +8,7 @@ use rafcon_protocol::{Event, LogLevel, Snapshot};
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
 
-/// Writes a line when a state begins, when one ends other than well, and for everything that is said.
+/// Writes a line for each beginning of a state, each end other than success, and each message.
 #[derive(Debug)]
 pub(crate) struct Lines<W: Write> {
     out: BufWriter<W>,
@@ -36,7 +36,7 @@ impl<W: Write> Lines<W> {
     }
 }
 
-/// How a level is written: the usual ones are not.
+/// Prefix of a message; empty for the usual level.
 fn level(level: LogLevel) -> &'static str {
     match level {
         LogLevel::Verbose | LogLevel::Debug => "debug: ",
@@ -53,7 +53,7 @@ impl<W: Write> View for Lines<W> {
 
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()> {
         name.clone_into(&mut self.machine);
-        // A machine has at least one; none are told of a run that is over.
+        // A machine has at least one state; 0 means that the number is unknown, as for a finished run.
         let size =
             if states > 0 { format!(" ({})", counted(states, "state")) } else { String::new() };
         writeln!(self.out, "running {name}{size}")

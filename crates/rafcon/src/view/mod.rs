@@ -1,6 +1,6 @@
-//! What the user sees of a run: JSON lines for programs, plain lines for pipes, a live picture on a terminal.
+//! Views of a run for the user: JSON lines for programs, plain lines for pipes, a live picture on a terminal.
 //!
-//! Knows how things are shown, never what is to be done about them.
+//! Knows the presentation, never the actions that follow.
 
 mod json;
 mod lines;
@@ -26,47 +26,47 @@ use rafcon_storage::journal::folder::EndValues;
 use std::io;
 use std::time::Duration;
 
-/// Something that shows a run. An error means that no one can see it any more; the run continues.
+/// A view of a run. An error means that the output is closed; the run continues.
 pub(crate) trait View {
-    /// Whether states coming and going are wanted one by one.
+    /// True if the view needs the begin and end of every state.
     fn every_event(&self) -> bool;
-    /// How often there should be a refresh even if nothing happens.
+    /// Refresh interval without events.
     fn rhythm(&self) -> Option<Duration> {
         None
     }
-    /// The run begins.
+    /// Shows the beginning of the run.
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()>;
-    /// Something happened, so long after the start.
+    /// Shows an event; `time` counts from the start of the run.
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()>;
-    /// How things stand.
+    /// Shows a snapshot.
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()>;
-    /// Whether the run is heard at all: what is shown is as old as the last word.
+    /// Shows that the run responds, or the duration of its silence.
     fn heard(&mut self, _now: Duration, _silence: Option<Duration>) -> io::Result<()> {
         Ok(())
     }
-    /// Something about this program.
+    /// Shows a message about this program.
     fn note(&mut self, text: &str) -> io::Result<()>;
-    /// A key was pressed.
+    /// Handles a key.
     fn key(&mut self, _key: Key) -> Option<UserAction> {
         None
     }
-    /// What a state holds, as was asked for.
+    /// Shows the requested data of a state.
     fn inspected(&mut self, _path: &str, _data: Option<StateData>) -> io::Result<()> {
         Ok(())
     }
-    /// There is a moment to bring everything to the eye.
+    /// Draws pending changes.
     fn refresh(&mut self, now: Duration) -> io::Result<()>;
     /// The user puts this program aside; the next refresh is when it is back.
     fn set_aside(&mut self) -> io::Result<()>;
-    /// All values at the end of the run, of which its last event has views.
+    /// Receives all values at the end of the run; its last event has only their views.
     fn end_values(&mut self, _values: EndValues) -> io::Result<()> {
         Ok(())
     }
-    /// Nothing more comes.
+    /// Shows the end.
     fn end(&mut self, end: &End) -> io::Result<()>;
 }
 
-/// Shows nothing: what is left when the output is gone.
+/// Shows nothing: the view after the output was closed.
 #[derive(Debug)]
 pub(crate) struct Nothing;
 

@@ -1,4 +1,4 @@
-//! Names of states by path: people read names, the protocol says ids. Loads the machine by itself, beside the runner.
+//! Names of states by path, because the protocol sends ids. Loads the machine independently, in parallel with the runner.
 
 use rafcon_model::{Kind, Machine, State, StatePath};
 use rafcon_protocol::Event;
@@ -83,8 +83,8 @@ impl Names {
         }
     }
 
-    /// The names along a path, joined by `/`. A library state and the root of its content are one name
-    /// if they are called the same.
+    /// The names along a path, joined by `/`. A library state and the root of its content form one name if their names are
+    /// equal.
     pub(crate) fn path(&mut self, path: &str) -> Arc<str> {
         self.wait();
         if let Some(known) = self.known.get(path) {
@@ -121,7 +121,7 @@ fn collect(
     names.pop();
 }
 
-/// The names along a path, joined by `/`; nothing if the machine does not have the path.
+/// The names along a path, joined by `/`; `None` if the machine does not have the path.
 pub(crate) fn names_of(machine: &Machine, path: &StatePath) -> Option<String> {
     let mut names: Vec<&str> = Vec::new();
     let mut content_of = None;
@@ -184,7 +184,7 @@ hierarchy ROOT "Mission"
         assert_eq!(&*names.path("ROOT/FETCHX"), "Mission/Fetch");
         assert_eq!(&*names.path("ROOT/WAITED"), "Mission/Wait a bit");
         assert!(names.resolve("Wait a bit").is_err());
-        // What cannot be read is as it was.
+        // An unreadable machine changes nothing.
         hear(&mut names, "3", "state removed");
         assert_eq!(&*names.path("ROOT/FETCHX"), "Mission/Fetch");
     }

@@ -1,20 +1,20 @@
-//! Lines of styled text: how wide they are, how they are cut, and how they look with and without colour.
+//! Lines of styled text: width, truncation, and rendering with and without colour.
 
 use std::fmt::Write as _;
 use unicode_width::UnicodeWidthStr as _;
 
-/// How a piece of text looks.
+/// Appearance of a piece of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// As it comes.
+    /// Default style.
     Plain,
     /// Less important.
     Dim,
     /// More important.
     Strong,
-    /// As wanted.
+    /// Success.
     Good,
-    /// Worth a look.
+    /// Needs attention.
     Warning,
     /// Wrong.
     Bad,
@@ -33,7 +33,7 @@ impl Style {
     }
 }
 
-/// What the output can show.
+/// Capabilities of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Paint {
     /// Colours and weights.
@@ -150,7 +150,7 @@ pub(crate) fn harmless(text: &str) -> String {
     out
 }
 
-/// A time as people say it: `0.4 s`, `12.3 s`, `2:05`, `1:02:05`.
+/// A duration for people: `0.4 s`, `12.3 s`, `2:05`, `1:02:05`.
 pub(crate) fn time(time: std::time::Duration) -> String {
     let seconds = time.as_secs();
     match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
@@ -160,7 +160,7 @@ pub(crate) fn time(time: std::time::Duration) -> String {
     }
 }
 
-/// A number of bytes as people say it.
+/// A number of bytes for people.
 #[expect(clippy::cast_precision_loss, reason = "one digit after the point is shown")]
 pub(crate) fn size(bytes: u64) -> String {
     const UNITS: [&str; 5] = ["B", "KB", "MB", "GB", "TB"];
@@ -176,7 +176,7 @@ pub(crate) fn size(bytes: u64) -> String {
     }
 }
 
-/// So many things: `no states`, `1 state`, `1,234,567 states`.
+/// A count with its noun: `no states`, `1 state`, `1,234,567 states`.
 pub(crate) fn counted(number: u64, thing: &str) -> String {
     match number {
         0 => format!("no {thing}s"),

@@ -1,12 +1,12 @@
-//! Words about a run, the same in a live picture and in plain lines: events that people should read besides the log, and how it
-//! ended.
+//! Texts about a run, common to the live picture and plain lines: notable events besides the log, and the summary of its
+//! end.
 
 use super::text::{Style, TextLine, counted, harmless, time};
 use super::value;
 use rafcon_protocol::{Event, HeldBy, LogLevel, Outcome};
 use std::time::Duration;
 
-/// Lines about an [`Event::Finished`]; none about other events.
+/// Summary for an [`Event::Finished`]; empty for other events.
 pub(super) fn summary(machine: &str, after: Duration, event: &Event) -> Vec<TextLine> {
     let Event::Finished { outcome, outputs, states_run, .. } = event else { return Vec::new() };
     let facts = format!(" after {}, {} run", time(after), counted(*states_run, "state"));
@@ -25,7 +25,7 @@ pub(super) fn summary(machine: &str, after: Duration, event: &Event) -> Vec<Text
     lines
 }
 
-/// How good an outcome is.
+/// Style of an outcome by its severity.
 pub(crate) fn outcome_style(outcome: &Outcome) -> Style {
     match outcome.id {
         0 => Style::Good,
@@ -34,7 +34,7 @@ pub(crate) fn outcome_style(outcome: &Outcome) -> Style {
     }
 }
 
-/// The state that it is about (empty for the run), how much it matters, and the words; nothing about other events.
+/// State (empty for the run), severity and text of a notable event; `None` for other events.
 pub(super) fn notable(event: &Event) -> Option<(&str, LogLevel, String)> {
     Some(match event {
         Event::Waiting { path, reason } => (path, LogLevel::Warning, format!("waiting: {reason}")),

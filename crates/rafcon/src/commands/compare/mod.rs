@@ -13,7 +13,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// So many differences are shown to people.
+/// Maximum number of differences in the text output.
 const SHOWN: usize = 20;
 
 /// Compares two runs; the exit code is 1 if they part.
@@ -81,7 +81,7 @@ fn parting(compared: &Comparison) -> Vec<TextLine> {
     std::iter::once(head).chain(shown.flat_map(on_branch)).chain(rest).collect()
 }
 
-/// Where they part on one branch. Of a run with one branch its name says nothing.
+/// The difference on one branch. The name of the root branch is left out.
 fn on_branch(parting: &Parting) -> impl Iterator<Item = TextLine> {
     let is_root = !parting.branch.contains('/');
     let head = TextLine::of(Style::Plain, "  on ").and(Style::Strong, harmless(&parting.names));
@@ -123,7 +123,7 @@ fn change(change: &DataChange) -> [TextLine; 3] {
     ]
 }
 
-/// Whether people would see a difference.
+/// True if the shown figures differ.
 fn differs(timing: &Timing) -> bool {
     (timing.one.count, shown_time(timing.one)) != (timing.other.count, shown_time(timing.other))
 }

@@ -55,7 +55,7 @@ fn wire(format: ExportFormat) -> api::ExportFormat {
     }
 }
 
-/// Under another name at first: a file that is there is whole.
+/// Writes to a temporary file first, so that an existing file is always complete.
 fn to_file(path: &Path, write: impl FnOnce(&File) -> Result<()>) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());

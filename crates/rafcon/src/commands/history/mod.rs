@@ -1,4 +1,4 @@
-//! `rafcon history` and `rafcon log`: what happened in a run, as far as it is wanted.
+//! `rafcon history` and `rafcon log`: events of a run, filtered.
 
 mod words;
 
@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// Prints the events that are wanted.
+/// Prints the selected events.
 pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<ExitCode> {
     let filter = Filter {
         state: raw.state.clone(),
@@ -35,7 +35,7 @@ pub(super) fn history(raw: &cli::History, environment: &Environment) -> Result<E
     print(&raw.run, &filter, raw.last, if raw.json { &json } else { &text }, environment)
 }
 
-/// Prints the lines of the log that are wanted.
+/// Prints the selected lines of the log.
 pub(super) fn log(raw: &cli::Log, environment: &Environment) -> Result<ExitCode> {
     let filter = Filter {
         state: raw.state.clone(),
@@ -105,7 +105,7 @@ fn json(found: &Found, values: bool) -> Vec<String> {
     serde_json::to_string(&line).into_iter().collect()
 }
 
-/// An event as it stands in a line.
+/// An event with its number and time.
 #[derive(Debug, Serialize)]
 struct Numbered<'e> {
     sequence: u64,
@@ -113,7 +113,7 @@ struct Numbered<'e> {
     event: &'e Event,
 }
 
-/// Shows what `find` finds; with `last`, only so many of the last. Answers with what is wrong with the rest, as `find` does.
+/// Shows the results of `find`; with `last`, only this many of the last. Returns the damage that `find` reports.
 fn each_found(
     find: impl FnOnce(&mut dyn FnMut(Found) -> Result<()>) -> Result<Result<()>>,
     last: Option<usize>,

@@ -68,7 +68,7 @@ fn what(found: &Found, values: bool) -> TextLine {
     }
 }
 
-/// What is not frequent.
+/// Text of the less frequent events.
 fn rest(event: &Event) -> TextLine {
     let (style, text) = match event {
         Event::Hit { breakpoint, hits, held, .. } => {
@@ -114,7 +114,7 @@ fn rest(event: &Event) -> TextLine {
     TextLine::of(style, harmless(&text))
 }
 
-/// What concerns the run as a whole.
+/// Text of events of the whole run.
 fn of_the_run(event: &Event) -> (Style, String) {
     match event {
         Event::Commanded { envelope, answer } => {
@@ -167,7 +167,7 @@ fn of_the_run(event: &Event) -> (Style, String) {
     }
 }
 
-/// A command as `rafcon tell` takes it.
+/// A command in the syntax of `rafcon tell`.
 fn asked_for(command: &Command) -> String {
     let Ok(Value::Object(mut fields)) = serde_json::to_value(command) else {
         return String::new();

@@ -1,4 +1,4 @@
-//! `rafcon plan`: asks an engine for a plan, shows why each step is there, and writes the machine.
+//! `rafcon plan`: requests a plan from an engine, explains its steps, and writes the machine.
 
 mod request;
 mod words;

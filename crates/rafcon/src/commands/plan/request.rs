@@ -1,4 +1,4 @@
-//! What the user asks for, as a request: pools by folder or library path, files read.
+//! Conversion of the options to a plan request: pools by folder or library path, contents of files.
 
 use crate::cli::{self, Then};
 use crate::environment::variable;

@@ -4,7 +4,7 @@ use crate::view::{counted, harmless};
 use rafcon_protocol::api::{PlanDomain, PlanEnd, PlanEvent, PlanFinding, PlanFound, PlanStep};
 use std::fmt::Write as _;
 
-/// What skills add up to.
+/// The planning domain of the skills.
 pub(super) fn domain(domain: &PlanDomain) -> String {
     let skills =
         domain.skills.iter().map(|skill| format!("; {} is {}\n", skill.action, skill.library));

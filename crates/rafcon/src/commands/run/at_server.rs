@@ -1,4 +1,5 @@
-//! `rafcon run` and `rafcon resume` at a server: the same words, views and exit codes; the run is the server's.
+//! `rafcon run` and `rafcon resume` at a server: messages, views and exit codes as for local runs; the run belongs to the
+//! server.
 
 use super::{report, request, view};
 use crate::cli;
@@ -168,7 +169,7 @@ fn machine(raw: &cli::Run) -> Result<MachineFile> {
     }
 }
 
-/// Asks for a run, and again by the same id if the answer got lost.
+/// Requests a run, and repeats the request with an unchanged id if the response is lost.
 fn begun<T>(clock: Clock, ask: impl Fn() -> Result<T, Fault>) -> Result<T, Fault> {
     let (until, mut is_sent) = (clock.now() + START_RETRY_TIMEOUT, false);
     loop {

@@ -20,17 +20,17 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Duration;
 
-/// Where a run keeps its files.
+/// Folder of a run.
 #[derive(Debug)]
 pub(super) enum Place {
-    /// Among the runs.
+    /// In the folder of runs.
     Kept(PathBuf),
-    /// Nowhere for good.
+    /// In a temporary folder.
     Passing(tempfile::TempDir),
 }
 
 impl Place {
-    /// A folder that goes with the run.
+    /// A temporary folder, removed with the run.
     pub(super) fn passing() -> Result<Self> {
         let folder = tempfile::Builder::new().prefix("rafcon-run-").tempdir();
         Ok(Self::Passing(folder.context("cannot create a folder for the run")?))
@@ -43,18 +43,18 @@ impl Place {
         }
     }
 
-    /// Whether the run can be resumed.
+    /// True if the run is recorded and can be resumed.
     pub(super) fn is_kept(&self) -> bool {
         matches!(self, Self::Kept(_))
     }
 
-    /// Its name, if it can be resumed.
+    /// Name of the run, if it can be resumed.
     pub(super) fn kept_run(&self) -> Option<&str> {
         let Self::Kept(folder) = self else { return None };
         folder.file_name()?.to_str().filter(|_| self.keeps_itself())
     }
 
-    /// Whether it says what it is, so that it can be resumed.
+    /// True if the folder has a description of its run, which a resume needs.
     fn keeps_itself(&self) -> bool {
         self.folder().join(ABOUT_FILE).exists()
     }
@@ -64,13 +64,13 @@ impl Drop for Place {
     /// A run that never began leaves no folder.
     fn drop(&mut self) {
         if self.is_kept() && !self.keeps_itself() {
-            // What cannot be removed is in no one's way.
+            // A leftover folder is harmless.
             std::fs::remove_dir_all(self.folder()).unwrap_or_default();
         }
     }
 }
 
-/// How a run is started and shown.
+/// Settings for starting and showing a run.
 pub(super) struct RunSetup<'a> {
     pub(super) python: &'a cli::Python,
     pub(super) output: cli::Output,
@@ -125,7 +125,7 @@ impl RunSetup<'_> {
     }
 }
 
-/// What the next runner is told, and the user about it, if one follows a runner that ended so and was told `launch`.
+/// Launch of the next runner and a note for the user, if the run is resumed after this end.
 fn again(
     lives: &mut RestartPolicy,
     now: Duration,

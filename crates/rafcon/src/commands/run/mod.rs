@@ -90,7 +90,7 @@ fn following(names: Names, folder: &Path) -> Names {
 /// Names that are loaded when they are needed.
 type LaterNames = Rc<dyn Fn() -> Names>;
 
-/// Runs it to its end, and tells the user about one that is not the machine's.
+/// Runs to the end, and reports an end other than the machine's own.
 fn ended(
     setup: RunSetup<'_>,
     launch: Launch,
@@ -106,7 +106,7 @@ fn is_terminal(environment: &Environment) -> bool {
     io::stdout().is_terminal() && !environment.dumb_terminal
 }
 
-/// Whether the keyboard is for the view.
+/// True if the keyboard controls the view.
 pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
     output == cli::Output::Text && is_terminal(environment) && io::stdin().is_terminal()
 }
@@ -120,7 +120,7 @@ pub(super) fn keyboard(
     has_keys(output, environment).then(|| Console::new(may_leave))
 }
 
-/// What shows a run.
+/// The view of a run.
 pub(super) fn view(
     output: cli::Output,
     environment: &Environment,

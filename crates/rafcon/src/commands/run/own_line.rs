@@ -39,7 +39,7 @@ impl Line for OwnLine {
     }
 }
 
-/// Sends the launch. The end of the process reports a runner that is gone.
+/// Sends the launch. A dead runner is reported by the end of its process.
 fn send(control: &UnixStream, group: Group, launch: Launch) {
     match begin(control, launch) {
         Ok(()) | Err(BeginError::Gone(_)) => {}

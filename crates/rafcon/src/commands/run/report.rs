@@ -1,4 +1,4 @@
-//! What is said on the error output about a run that did not come to its end.
+//! Error output for a run that did not finish.
 
 use crate::failure::complain;
 use crate::follow::End;
@@ -34,7 +34,7 @@ fn said(logged: &BTreeMap<String, String>, names: &mut Names) -> String {
     block("last log lines of these states:", &logged.iter().map(line).collect::<Vec<_>>())
 }
 
-/// How a run continues that was cut off; `run` is how commands name it.
+/// Hint for resuming an interrupted run; `run` is its name in commands.
 fn way_out(run: &str) -> String {
     format!(
         "  the run is recorded up to this point; resume it:\n    rafcon resume {run} --policy abort   (abort the interrupted states; recovery transitions take over)\n    rafcon resume {run}                  (wait until you decide)"

@@ -1,4 +1,4 @@
-//! What `rafcon run` was asked for, checked: what is here can no longer be wrong.
+//! Validated options of `rafcon run`.
 
 use super::breakpoint;
 use super::drive::Place;
@@ -75,7 +75,7 @@ impl Request {
         breakpoints(&self.breakpoints, &mut self.names())
     }
 
-    /// What the run is called after.
+    /// Name of the machine, from its folder or file.
     pub(super) fn machine_name(&self) -> String {
         let name = self.source.machine.file_stem().unwrap_or_default();
         name.to_string_lossy().into_owned()

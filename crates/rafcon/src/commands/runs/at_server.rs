@@ -59,7 +59,7 @@ fn line(run: &RunSummary, width: usize) -> TextLine {
     }
 }
 
-/// What it takes on disk is known when it is over.
+/// Status and length of an active run. Its size on disk is unknown until it ends.
 fn live(line: TextLine, run: &RunSummary) -> TextLine {
     let line = match run.waits {
         None => line.and(Style::Good, "running"),

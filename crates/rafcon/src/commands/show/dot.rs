@@ -75,7 +75,7 @@ fn leads_somewhere(inside: &Container, state: &State, outcome: OutcomeId) -> boo
     !outcome.is_mandatory() || inside.transitions.iter().any(|t| t.target(&state.id) == target)
 }
 
-/// Where an arrow to a child ends: at its box, or at the income in its cluster.
+/// Target of an arrow to a child: its box, or the income in its cluster.
 fn entry(inside: &Container, child: &rafcon_model::StateId, path: &StatePath) -> String {
     let path = path.child(child.clone());
     match inside.states.get(child).and_then(|child| child.container()) {
@@ -84,7 +84,7 @@ fn entry(inside: &Container, child: &rafcon_model::StateId, path: &StatePath) ->
     }
 }
 
-/// Where an arrow from a child's outcome begins.
+/// Source of an arrow from a child's outcome.
 fn leave(child: &State, outcome: OutcomeId, path: &StatePath) -> String {
     let path = path.child(child.id.clone());
     match child.container() {

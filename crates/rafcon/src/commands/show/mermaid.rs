@@ -13,7 +13,7 @@ pub(super) fn print(machine: &Machine) -> String {
 
 struct Diagram {
     out: String,
-    /// Mermaid wants plain names that are unique over the whole diagram.
+    /// Number of the next name. Mermaid requires plain names, unique in the whole diagram.
     numbers: usize,
 }
 

@@ -19,7 +19,7 @@ use std::process::ExitCode;
 /// The notation for people: scripts belong to a machine, layout does not, and libraries are their own machines.
 const NOTATION: Shown = Shown { layout: false, scripts: true, contents: false };
 
-/// Prints the machine; what is wrong with its files is said on the error output.
+/// Prints the machine, and problems of its files on the error output.
 pub(super) fn show(raw: &cli::Show, environment: &Environment) -> Result<ExitCode> {
     let loaded = Source::new(&raw.path, &raw.libraries)?.load()?;
     for problem in &loaded.problems {

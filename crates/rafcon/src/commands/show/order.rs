@@ -27,7 +27,7 @@ pub(super) fn children<'c>(inside: &'c Container, id: &StateId) -> Vec<&'c Arc<S
     ordered
 }
 
-/// Where a container begins, if that is a child.
+/// The child at which a container begins; `None` if it begins elsewhere.
 pub(super) fn start(inside: &Container, id: &StateId) -> Option<StateId> {
     match inside.start(id)? {
         Target::State(state) => Some(state),
@@ -35,7 +35,7 @@ pub(super) fn start(inside: &Container, id: &StateId) -> Option<StateId> {
     }
 }
 
-/// Where each outcome of a child leads; the user's outcomes first, in the order of their ids.
+/// Targets of the outcomes of a child; the user's outcomes first, by id.
 pub(super) fn exits(
     inside: &Container,
     id: &StateId,

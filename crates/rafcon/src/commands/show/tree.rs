@@ -57,7 +57,7 @@ impl Tree {
         self.out.push('\n');
     }
 
-    /// Where outcomes lead. The mandatory ones are told only if they lead somewhere, the others always in a hierarchy.
+    /// Targets of the outcomes. Unconnected outcomes appear only in a hierarchy, and only if they are not mandatory.
     fn exits(&self, state: &State, place: Option<(&State, &Container)>) -> TextLine {
         let Some((parent, inside)) = place else { return TextLine::default() };
         let [arrow, end] = if self.paint.unicode { ["→", "●"] } else { ["->", "*"] };

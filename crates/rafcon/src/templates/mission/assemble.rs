@@ -1,10 +1,10 @@
-//! Assembly at the base: both arms at the same time. Knows when it is done.
+//! Assembly at the base, with both arms in parallel. Knows when it is complete.
 
 use super::draft::{Draft, Parts};
 use super::scripts;
 use rafcon_model::Value;
 
-/// Puts the battery into the mug, and again if it stands askew.
+/// Puts the battery into the mug, and retries if it is crooked.
 pub(super) fn assemble() -> Draft {
     let no = || Value::Bool(false);
     let realign = Draft::script("Realign", scripts::REALIGN).output("realigned", no());

@@ -10,13 +10,13 @@ use rafcon_model::{
     PortId, Ports, Script, State, StateId, Target, Transition, TransitionId,
 };
 
-/// Hands out state ids: six letters that look as if drawn by chance, none of them twice.
+/// Generates unique state ids: six letters that appear random.
 #[derive(Debug, Default)]
 pub(super) struct Ids {
     used: u64,
 }
 
-/// How many ids of six letters there are.
+/// Number of ids with six letters.
 const IDS: u64 = 26u64.pow(6);
 /// Has no factor in common with [`IDS`], so that its multiples visit all of them.
 const STRIDE: u64 = 190_845_181;
@@ -91,12 +91,12 @@ fn kind(inside: Inside, state: &State, ids: &mut Ids) -> Result<(Kind, Pair)> {
     })
 }
 
-/// How the children of a container run.
+/// Execution order of the children of a container.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Order {
     /// One after the other, the first child first.
     Sequence,
-    /// At the same time.
+    /// In parallel.
     Together,
 }
 
@@ -164,7 +164,7 @@ fn connect(inside: &mut Container, from: Origin, to: Target, parent: &StateId) {
     inside.transitions.insert(Transition::new(id, from, to, parent));
 }
 
-/// What the names in a container mean.
+/// The states and variables of a container by name.
 struct NamedStates<'a> {
     parent: &'a State,
     variables: &'a Ports,

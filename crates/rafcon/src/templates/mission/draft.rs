@@ -19,7 +19,7 @@ pub(super) struct Draft {
 /// Name and default of a port or scoped variable; its type is that of the default.
 pub(super) type Slot = (&'static str, Value);
 
-/// What the kinds of states differ in.
+/// Content of a state, by kind.
 #[derive(Debug, Clone)]
 pub(super) enum Inside {
     Script(&'static str),
@@ -46,14 +46,14 @@ pub(super) struct TransitionDraft {
     pub(super) to: To,
 }
 
-/// Where a transition leads.
+/// Target of a transition.
 #[derive(Debug, Clone)]
 pub(super) enum To {
     Child(String),
     Outcome(String),
 }
 
-/// A data flow between two ports of the same name; `None` is the container itself.
+/// A data flow between two ports of equal name; `None` is the container itself.
 #[derive(Debug, Clone)]
 pub(super) struct FlowDraft {
     pub(super) port: &'static str,
@@ -129,7 +129,7 @@ impl Draft {
     }
 }
 
-/// What every decider is called.
+/// Name of every decider.
 pub(super) const DECIDER: &str = "Decider";
 
 impl Parts {

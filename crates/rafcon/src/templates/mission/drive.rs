@@ -43,7 +43,7 @@ fn follow() -> Draft {
         .input("length_m", Value::Float(0.0))
 }
 
-/// The inputs that say where to go; without a value that is the base.
+/// Inputs for the target of a drive; the default is the base.
 pub(super) fn goal(draft: Draft) -> Draft {
     draft
         .input("x_m", Value::Float(0.0))

@@ -1,11 +1,11 @@
-//! Exploration: the survey, and what runs beside it until it is over. Knows the barrier around them.
+//! Exploration: the survey and its parallel tasks. Knows the barrier around them.
 
 use super::draft::{Draft, Parts};
 use super::size::Size;
 use super::{scripts, survey};
 use rafcon_model::Value;
 
-/// Survey, map and radio at the same time.
+/// Survey, map and radio in parallel.
 pub(super) fn explore(size: Size) -> Draft {
     let scans = || Value::Int(0);
     let parts = Parts::default()

@@ -1,7 +1,7 @@
-//! Where the parts of a generated machine stand on the screen.
+//! Positions of the parts of a generated machine on the screen.
 //!
-//! Knows numbers and the file's layout entries (`docs/format.md`, layout). Children stand in columns by how many steps
-//! it takes to get to them; a long row of columns is broken into lines, so that a container is about as wide as a screen.
+//! Knows numbers and the file's layout entries (`docs/format.md`, layout). The column of a child is its distance in steps
+//! from the first child. A long row of columns is broken into lines, so that a container is about as wide as a screen.
 
 use rafcon_model::Layout;
 use rafcon_model::json::Json;
@@ -15,13 +15,13 @@ pub(super) const LEAF: Pair = (120.0, 72.0);
 const GAP: Pair = (80.0, 56.0);
 /// Free space between the border of a container and its children.
 const MARGIN: f64 = 50.0;
-/// The same above them, where the name stands.
+/// Free space above the children, for the name.
 const HEADING: f64 = 60.0;
-/// A column is broken after so many children, or after each, where that gives a better shape.
+/// Maximum number of children in a column; shorter and unlimited columns are also tried.
 const HIGH: usize = 3;
-/// A line has at most so many columns, unless all fit in one.
+/// Maximum number of columns in a line, unless all fit in one.
 const LONG: usize = 8;
-/// A container is to be so many times as wide as it is high.
+/// Preferred ratio of width to height of a container.
 const SHAPE: f64 = 1.6;
 
 /// The children of a sequence by steps from the first one; `lines` are its transitions, from child to child.
@@ -61,18 +61,18 @@ pub(super) fn arrange(columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pai
     best
 }
 
-/// How far a size is from the best shape.
+/// Distance of a size from the preferred shape.
 fn misshapen(size: Pair) -> f64 {
     (size.0 / size.1 / SHAPE).ln().abs()
 }
 
-/// So many times the space of leaves is left around children of these sizes: names are to be read from afar as well.
+/// Factor for the space around children of these sizes: larger children have larger names, which need more space.
 fn roominess(sizes: &[Pair]) -> f64 {
     let widest = sizes.iter().map(|size| size.0).fold(LEAF.0, f64::max);
     (widest / LEAF.0).powf(0.45)
 }
 
-/// Places if a new line begins after so many columns.
+/// Positions with at most `length` columns in a line, and the size of the container.
 fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair], room: f64) -> (Vec<Pair>, Pair) {
     let (gap, margin, heading) = ((GAP.0 * room, GAP.1 * room), MARGIN * room, HEADING * room);
     let mut places = vec![(margin, heading); sizes.len()];
@@ -94,7 +94,7 @@ fn in_lines(length: usize, columns: &[Vec<usize>], sizes: &[Pair], room: f64) ->
     (places, (right - gap.0 + margin, top - gap.1 + margin))
 }
 
-/// The layout of a state: its place in its parent, its size, and the place of its name if children stand below it.
+/// The layout of a state: its position in its parent, its size, and the position of its name if it has children.
 pub(in crate::templates) fn entry(at: Pair, size: Pair, has_children: bool) -> Layout {
     let mut state = object([("rel_pos", tuple(at)), ("size", tuple(size))]);
     if has_children {

@@ -2,7 +2,7 @@
 //! unknown ground, find a battery and a mug, fetch them, put them together at the base, and cope with all that goes
 //! wrong meanwhile. The robot is simulated by the scripts themselves.
 //!
-//! Knows the plan of the mission. The places that it visits make its size; everything else is there once.
+//! Knows the plan of the mission. Its size depends on the number of waypoints; all other parts occur once.
 
 mod assemble;
 mod build;
@@ -34,7 +34,7 @@ const STATES: usize = 750;
 /// Seconds that a simulated second takes in a mission of [`STATES`] states: it runs for about half a minute.
 const TIME_SCALE: f64 = 0.06;
 
-/// What is hidden and fetched, in this order.
+/// Hidden objects, in the order in which they are fetched.
 const THINGS: [&str; 2] = ["battery", "mug"];
 
 fn root(wish: &TemplateRequest) -> Result<State> {
@@ -85,7 +85,7 @@ fn mission(wish: &TemplateRequest, states: usize, size: Size) -> Draft {
         .outcomes(["success", "incomplete"])
 }
 
-/// A larger mission has more to do in the same time.
+/// A larger mission runs faster, so that the duration stays constant.
 #[expect(clippy::cast_precision_loss, reason = "a rough number is enough")]
 fn time_scale(states: usize) -> f64 {
     let scale = TIME_SCALE * (STATES as f64 / states as f64).min(1.0);
@@ -136,7 +136,7 @@ fn int(number: usize) -> Value {
     Value::Int(i64::try_from(number).unwrap_or(i64::MAX))
 }
 
-/// How many states a draft describes.
+/// Number of states in a draft.
 fn count(draft: &Draft) -> usize {
     1 + draft.children().iter().map(count).sum::<usize>()
 }

@@ -1,4 +1,4 @@
-//! The Python texts of the mission, as they stand in `scripts/`. Knows their names only.
+//! The Python texts of the mission, from `scripts/`. Knows only their names.
 
 pub(super) const ALREADY_VISITED: &str = include_str!("scripts/already_visited.py");
 pub(super) const CHECK_DEVICE: &str = include_str!("scripts/check_device.py");

@@ -1,4 +1,4 @@
-//! How large each part of a mission is, so that all of it has as many states as wanted. Knows numbers only.
+//! Sizes of the parts of a mission, for the requested number of states. Knows numbers only.
 
 use super::{count, int, waypoint};
 use anyhow::{Result, bail};
@@ -35,13 +35,13 @@ impl Size {
         Ok(Self { sectors, waypoints, checks: Self::SMALLEST.checks + spare % waypoint })
     }
 
-    /// How many waypoints each sector has: the first ones have one more if they cannot all have the same.
+    /// Number of waypoints in each sector. The first sectors have one more if the division has a remainder.
     pub(super) fn sectors(self) -> Vec<usize> {
         let (each, more) = (self.waypoints / self.sectors, self.waypoints % self.sectors);
         (0..self.sectors).map(|sector| each + usize::from(sector < more)).collect()
     }
 
-    /// The same as a value for a script.
+    /// The numbers of waypoints as a value for a script.
     pub(super) fn sectors_value(self) -> Value {
         Value::List(self.sectors().into_iter().map(int).collect())
     }

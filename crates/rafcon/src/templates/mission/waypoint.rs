@@ -1,4 +1,4 @@
-//! One place of the ground: go there, look around, remember what lies there. Knows where the places are.
+//! One waypoint: drive there, search the surroundings, store the objects found. Knows the positions of the waypoints.
 
 use super::draft::{Draft, Parts};
 use super::drive::{drive, goal};
@@ -54,7 +54,7 @@ pub(super) fn waypoint(number: usize) -> Draft {
         .outcomes(["done"])
 }
 
-/// What the waypoint is called.
+/// Name of a waypoint.
 pub(super) fn name(number: usize) -> String {
     format!("Waypoint {number}")
 }

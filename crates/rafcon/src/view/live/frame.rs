@@ -1,24 +1,24 @@
-//! The picture of a running machine as lines: what is active, how long, how it stands. Pure; knows no terminal.
+//! The picture of a running machine as lines: active states, their durations and phases. Pure; knows no terminal.
 
 use crate::view::text::{Style, TextLine, counted, harmless, time};
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// What is drawn.
+/// Inputs of the picture.
 #[derive(Debug)]
 pub(super) struct Picture<'a> {
     /// The machine's name.
     pub(super) machine: &'a str,
-    /// How things stood.
+    /// Last snapshot of the run.
     pub(super) snapshot: &'a Snapshot,
-    /// How long ago that was.
+    /// Age of the snapshot.
     pub(super) age: Duration,
-    /// Characters beyond ASCII may be drawn.
+    /// True if characters beyond ASCII may be drawn.
     pub(super) unicode: bool,
-    /// Names of the states that others are held before, by path.
+    /// Names, by path, of the next states of held branches.
     pub(super) names: &'a BTreeMap<String, String>,
-    /// Path of the state that keys are about.
+    /// Path of the selected state.
     pub(super) selected: Option<&'a str>,
 }
 

@@ -1,4 +1,4 @@
-//! A run on a terminal: what is said scrolls by, below it stands the tree of active states.
+//! A run on a terminal: messages scroll above the tree of active states.
 
 mod frame;
 mod terminal;
@@ -31,9 +31,9 @@ pub(crate) struct Live {
     snapshot: Option<(Duration, Snapshot)>,
     drawn_at: Option<Duration>,
     finished: Option<(Duration, Event)>,
-    /// When the run fell silent, while nothing is heard of it.
+    /// Time of the last contact, while the run does not respond.
     silent_since: Option<Duration>,
-    /// What keys do, if there are any.
+    /// Handler of the keyboard, if it is used.
     console: Option<Console>,
 }
 
@@ -114,7 +114,7 @@ impl Live {
     }
 }
 
-/// What is said below a picture that is no longer true.
+/// Warning below an outdated picture.
 fn silence(age: Duration) -> TextLine {
     TextLine::of(Style::Bad, format!("no connection: this view is {} old", time(age)))
 }

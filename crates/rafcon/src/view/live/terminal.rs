@@ -1,7 +1,7 @@
 //! The terminal as a place for a picture below a scrolling text. Knows escape sequences and modes, nothing of runs.
 //!
-//! The picture stands in the last lines that were written. To draw anew the cursor goes up to its first line and all below
-//! is erased, so what scrolls by stays in the terminal's own history. However this ends, the modes are put back.
+//! The picture occupies the last lines written. To redraw it, the cursor moves up to its first line and erases all below,
+//! so that scrolled text stays in the terminal's own history. The terminal modes are restored on every exit.
 
 use crate::view::text::{Paint, TextLine};
 use crossterm::cursor::{Hide, MoveToColumn, MoveUp, Show};
@@ -10,7 +10,7 @@ use crossterm::terminal::{self, BeginSynchronizedUpdate, Clear, ClearType, EndSy
 use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr};
 use std::io::{self, Stdout, Write as _};
 
-/// Where the picture stands.
+/// Screen with the picture in its last lines.
 #[derive(Debug)]
 pub(super) struct Screen {
     out: Stdout,
@@ -80,7 +80,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // A terminal that is gone needs nothing put back.
+        // A closed terminal needs no restoration.
         self.leave().unwrap_or_default();
     }
 }
