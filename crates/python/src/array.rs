@@ -12,7 +12,7 @@ const KINDS: &str = "biuf";
 /// Items sampled from an array.
 #[derive(Debug)]
 pub(crate) struct Sample<'py> {
-    /// In row-major order.
+    /// The sampled items in row-major order.
     pub(crate) items: Vec<Bound<'py, PyAny>>,
     /// Number of sampled items along each axis.
     pub(crate) sampled: Vec<u64>,

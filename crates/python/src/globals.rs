@@ -61,7 +61,7 @@ pub(crate) fn keep_embedded(py: Python<'_>, keeper: &ValueSerializer) -> PyResul
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 struct Kept {
-    /// The value alone.
+    /// The value without declarations.
     value: Handle,
     /// The value with all declarations of the variable.
     variable: Handle,

@@ -41,26 +41,17 @@ enum Saved {
     Not(OnceLock<Box<KeptValue>>),
 }
 
-/// The type of an object, known once and for all.
+/// Exact type of an object; subclasses are `Other`.
 #[derive(Debug, Clone)]
 pub(crate) enum Kind {
-    /// Exactly `bool`.
     Bool,
-    /// Exactly `int`.
     Int,
-    /// Exactly `float`.
     Float,
-    /// Exactly `str`.
     Str,
-    /// Exactly `list`.
     List,
-    /// Exactly `tuple`.
     Tuple,
-    /// Exactly `dict`.
     Dict,
-    /// Exactly `set`.
     Set,
-    /// Any other type.
     Other(Arc<Class>),
     /// Any other type whose class cannot be read.
     Strange,

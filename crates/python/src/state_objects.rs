@@ -41,7 +41,6 @@ impl StateObjects {
         }
     }
 
-    /// The current program.
     pub(crate) fn program(&self) -> Arc<Program<Handle>> {
         Arc::clone(&self.program.read())
     }

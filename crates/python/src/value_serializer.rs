@@ -30,7 +30,7 @@ pub(crate) struct ValueSerializer {
 }
 
 impl ValueSerializer {
-    /// Keeps no values.
+    /// A serializer that keeps no values.
     pub(crate) const NONE: Self = Self { keeps: false, values: None };
 
     /// A serializer of a run, with the folder of its large values.

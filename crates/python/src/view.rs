@@ -33,7 +33,6 @@ const INT_BITS_MAX: u64 = 3400;
 /// A view of one value.
 #[derive(Debug)]
 pub(crate) struct View {
-    /// The encoded value.
     pub(crate) json: Value,
     /// True if [`super::restore::from_view`] restores exactly this value from the view.
     pub(crate) whole: bool,
@@ -201,7 +200,7 @@ impl Looking {
         entries.map(|(key, (_, value))| (key, self.at(value, depth + 1))).collect()
     }
 
-    /// Any other dictionary.
+    /// A dictionary as a list of pairs, for other keys.
     fn pairs(&mut self, entries: &[Entry<'_>], depth: usize) -> Value {
         let pair = |(key, value): &Entry<'_>| {
             Value::Array(vec![self.at(key, depth + 1), self.at(value, depth + 1)])
