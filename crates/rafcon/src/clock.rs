@@ -1,4 +1,4 @@
-//! The one place of this program that reads a clock; everyone else gets the time as an argument.
+//! The only clock of this program; all other code receives the time as an argument.
 
 use rafcon_protocol::calendar::Date;
 use rafcon_supervisor::clock::since_1970_ms;
@@ -21,7 +21,7 @@ impl Clock {
     }
 }
 
-/// The date and time in UTC, as machines keep it: `2026-01-31 12:00:00`.
+/// Date and time in UTC, in the format of machines: `2026-01-31 12:00:00`.
 pub(crate) fn utc() -> String {
     Date::since_1970(since_1970_ms() / 1000).to_string()
 }

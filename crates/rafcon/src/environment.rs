@@ -18,15 +18,15 @@ pub(crate) struct Environment {
     pub(crate) options: [Option<PathBuf>; 2],
     /// `USER`, or the number of the user: the author of commands.
     pub(crate) user: String,
-    /// `NO_COLOR` is set and not empty.
+    /// True if `NO_COLOR` is set and not empty.
     pub(crate) no_color: bool,
     /// True if `TERM` names a terminal that supports only lines.
     pub(crate) dumb_terminal: bool,
-    /// The locale's text is UTF-8.
+    /// True if the locale's encoding is UTF-8.
     pub(crate) unicode: bool,
 }
 
-/// A text that is never shown.
+/// A secret text that is never shown.
 #[derive(Clone)]
 pub(crate) struct Secret(pub(crate) String);
 
@@ -42,7 +42,6 @@ pub(crate) fn variable(name: &str) -> Option<String> {
 }
 
 impl Environment {
-    /// Reads it.
     pub(crate) fn read() -> Self {
         let set = |name: &str| env::var_os(name).filter(|value| !value.is_empty());
         Self {

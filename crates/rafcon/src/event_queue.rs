@@ -1,6 +1,7 @@
-//! Everything that can happen during a run, from every source, as one queue.
+//! All events of a run, from every source, in one queue.
 //!
-//! One thread a source; the queue has a bound, so that a slow terminal holds the sources back and not this memory.
+//! Each source has a thread. The queue is bounded, so that a slow terminal blocks the sources instead of filling the
+//! memory.
 
 use crate::console::{Key, UserAction};
 use crate::follow::StopSignal;
@@ -34,7 +35,7 @@ const RAW_LINE: u64 = 64 * 1024;
 /// Message about an engine that takes no inputs.
 pub(crate) const STUCK: &str = "the run hangs: its process answers, but its engine takes no inputs; a stop ends the process if necessary";
 
-/// Something that happened.
+/// An event of any source.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Cause {
     /// First message of the runner, with its identity.
@@ -51,13 +52,13 @@ pub(crate) enum Cause {
     Mended(String),
     /// The server revoked our access.
     Refused(String),
-    /// A line of output that the runner did not log: after its run, or of a dying interpreter.
+    /// A line of output that the runner did not log: after its run, or from a dying interpreter.
     Raw(Stream, String),
     /// The pipe ended: its holders have closed it.
     Drained(Stream),
     /// The runner's process ended.
     Exited(Exit),
-    /// Ctrl-C, or a polite request to end.
+    /// A signal: Ctrl-C or SIGTERM.
     Interrupt(StopSignal),
     /// A key of the terminal.
     Key(Key),
@@ -65,7 +66,7 @@ pub(crate) enum Cause {
     UserAction(UserAction),
     /// The terminal hung up.
     HungUp,
-    /// Ctrl-Z.
+    /// The user pressed Ctrl-Z.
     Suspend,
     /// A while passed without another cause.
     Tick,
@@ -73,7 +74,7 @@ pub(crate) enum Cause {
 
 /// A connection to an external run: its socket, or a server.
 pub(crate) trait Line {
-    /// Says something to the run, without waiting for it. False if too many messages wait already: this one is dropped.
+    /// Sends a message to the run without blocking. False if the queue was full and the message was dropped.
     fn say(&mut self, message: &ToRunner) -> Result<bool>;
 }
 
@@ -96,7 +97,7 @@ impl Line for UnixStream {
     }
 }
 
-/// The way to the station of a robot's run: the station knows how long a command is valid over its link.
+/// A connection to the station of a robot's run. The station sets the expiry of commands over its link.
 struct StationLine(UnixStream);
 
 impl Line for StationLine {
@@ -106,7 +107,7 @@ impl Line for StationLine {
     }
 }
 
-/// The way to the run in this folder over its socket.
+/// A connection to the run in this folder over its socket.
 pub(crate) fn line_to(folder: &Path, control: UnixStream) -> Box<dyn Line> {
     let is_replica = About::read(folder).is_ok_and(|about| about.robot.is_some());
     if is_replica { Box::new(StationLine(control)) } else { Box::new(control) }
@@ -121,12 +122,12 @@ pub(crate) struct EventQueue {
     life: u32,
 }
 
-/// Sources of every life.
+/// Number of sources that outlive runners.
 const ALWAYS: u32 = 0;
 
 impl EventQueue {
-    /// Connects the signals, and the keyboard if there is one; to be called before a runner is started, so that none is left alone
-    /// by Ctrl-C.
+    /// Connects the signals, and the keyboard if there is one. Must be called before a runner is started, so that Ctrl-C
+    /// never leaves a runner behind.
     pub(crate) fn new(has_keys: bool) -> Result<Self> {
         let signals = Signals::new([SIGINT, SIGTERM, SIGHUP, SIGTSTP]);
         let signals = signals.context("cannot listen to signals")?;
@@ -139,14 +140,14 @@ impl EventQueue {
         Ok(wires)
     }
 
-    /// Connects a runner that was started, instead of any before.
+    /// Connects a started runner, and replaces any before.
     pub(crate) fn connect(&mut self, process: Process) -> Result<()> {
         let Process { mut child, control } = process;
         let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
         let events = StreamReader::new(0, false, None);
         self.listen("messages", move |queue| {
             messages(control, queue, events)?;
-            // Until here the runner reads its own output.
+            // Up to here the runner reads its own output.
             thread::scope(|scope| {
                 scope.spawn(|| stdout.map(|stdout| raw(Stream::Stdout, stdout, queue)));
                 stderr.map_or(Ok(()), |stderr| raw(Stream::Stderr, stderr, queue))
@@ -155,13 +156,13 @@ impl EventQueue {
         self.source("exit", self.life, move |queue| exit(child, queue))
     }
 
-    /// Connects a runner that is someone else's; its run lies in `folder`.
+    /// Connects an external runner; its run is in `folder`.
     pub(crate) fn join(&mut self, control: UnixStream, folder: Option<&Path>) -> Result<()> {
         let events = StreamReader::new(0, false, folder.map(Path::to_path_buf));
         self.listen("messages", move |queue| messages(control, queue, events))
     }
 
-    /// Connects another source of causes about a run that is someone else's.
+    /// Connects another source of causes about an external run.
     pub(crate) fn listen(
         &mut self,
         name: &str,
@@ -171,7 +172,7 @@ impl EventQueue {
         self.source(name, self.life, work)
     }
 
-    /// The next cause; a tick after `wait` without one.
+    /// The next cause; a tick if none arrives within `wait`.
     pub(crate) fn next(&self, wait: Option<Duration>) -> Cause {
         loop {
             let received = match wait {
@@ -201,7 +202,7 @@ impl EventQueue {
     }
 }
 
-/// The end of the queue that one source fills.
+/// The sending end of the queue for one source.
 #[derive(Debug, Clone)]
 pub(crate) struct Queue {
     queue: SyncSender<(u32, Cause)>,
@@ -215,7 +216,7 @@ impl Queue {
     }
 }
 
-/// The keys of the terminal, while this program is the one that it listens to.
+/// Reads the keys of the terminal, while this program is in the foreground.
 fn keys(queue: &Queue) -> Flow {
     while let Some(in_front) = in_front() {
         if !in_front {
@@ -291,7 +292,7 @@ fn messages(control: UnixStream, queue: &Queue, mut events: StreamReader) -> Flo
                 queue.send(nonsense(error))?;
                 return queue.send(Cause::Silence);
             }
-            // A broken connection is an end like any other.
+            // A broken connection counts as closed.
             Ok(None) | Err(_) => return queue.send(Cause::Silence),
         }
     }

@@ -1,10 +1,10 @@
-//! Errors for people: what, where and the way out on the first line, causes below. Knows how the program ends by one.
+//! Errors for people: problem, location and remedy on the first line, causes below. Knows the exit codes of errors.
 
 use std::fmt;
 use std::io::{self, Write as _};
 use std::process::ExitCode;
 
-/// Words on the command line that mean nothing; the program ends with 2, as for those that clap refuses.
+/// Invalid options; the exit code is 2, as for those that clap refuses.
 #[derive(Debug)]
 pub(crate) struct Usage(pub(crate) String);
 

@@ -19,7 +19,7 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Reads what the user wrote.
+    /// Checks the options of the command line.
     pub(crate) fn new(machine: &Path, libraries: &cli::Libraries) -> Result<Self> {
         Ok(Self {
             machine: absolute(machine)?,
@@ -71,7 +71,7 @@ fn absolute(path: &Path) -> Result<PathBuf> {
     Ok(absolute)
 }
 
-/// The library roots that the user names.
+/// The library roots from the options.
 pub(crate) fn library_roots(libraries: &cli::Libraries) -> Result<Vec<(String, PathBuf)>> {
     libraries.roots.iter().map(|text| root(text)).collect()
 }

@@ -1,4 +1,4 @@
-//! The `rafcon` command. Knows how the program begins and ends; each command knows itself.
+//! The `rafcon` command. Knows the start and the end of the program; each command is a module of its own.
 
 mod cli;
 mod client;

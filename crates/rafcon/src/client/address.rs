@@ -6,7 +6,7 @@ use std::net::IpAddr;
 /// Default port of a server.
 const USUAL_PORT: u16 = 4747;
 
-/// Scheme, host and port of a server, and the path below which a reverse proxy has it.
+/// Scheme, host and port of a server, and its base path behind a reverse proxy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Address {
     /// True for a server with TLS.
@@ -20,7 +20,7 @@ pub(crate) struct Address {
 }
 
 impl Address {
-    /// Reads `http://HOST:PORT/PATH`, and the token that a start link has behind it.
+    /// Parses `http://HOST:PORT/PATH`, and the token at the end of a start link.
     pub(crate) fn parse(text: &str) -> Result<(Self, Option<String>), String> {
         let wrong = |why: &str| {
             format!("--server {}: {why}; write https://HOST:{USUAL_PORT}", without_token(text))
@@ -73,7 +73,7 @@ impl fmt::Display for Address {
     }
 }
 
-/// Secrets are not repeated.
+/// Removes the token: errors must not repeat secrets.
 fn without_token(text: &str) -> &str {
     text.split('?').next().unwrap_or_default()
 }

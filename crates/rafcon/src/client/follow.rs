@@ -1,5 +1,5 @@
-//! The thread that follows a run through a server: connections one after the other, frames to and from the session. Decides
-//! nothing but when a connection is given up and when the next one is tried.
+//! The thread that follows a run through a server: it connects, and passes frames to and from the session. Decides only
+//! when to drop a connection and when to reconnect.
 
 use super::session::{Session, Todo};
 use super::socket::{Broken, Socket};
@@ -24,7 +24,7 @@ const QUEUE: usize = 256;
 const ASK: Duration = Duration::from_secs(5);
 /// Timeout of a connection without received data.
 const SILENCE: Duration = Duration::from_secs(15);
-/// Times between attempts to connect, in ms; the last one repeats.
+/// Reconnection delays, in ms; the last one repeats.
 const PAUSES_MS: [u64; 6] = [100, 200, 500, 1000, 2000, 5000];
 
 /// A connection to a run through its server.
@@ -35,10 +35,10 @@ pub(crate) struct Following {
 }
 
 impl Line for Following {
-    /// Messages wait in the queue while the connection is made.
+    /// Queues a message, also while no connection exists.
     fn say(&mut self, message: &ToRunner) -> Result<bool> {
         let is_sent = offer(&self.words, message);
-        // A full pipe wakes as well as a byte more.
+        // A full pipe wakes the thread, too.
         self.wake.write_all(b"!").or_else(|error| match error.kind() {
             io::ErrorKind::WouldBlock | io::ErrorKind::BrokenPipe => Ok(()),
             _ => Err(error),
@@ -47,7 +47,7 @@ impl Line for Following {
     }
 }
 
-/// Follows a run of the server; what happens goes into the wires.
+/// Follows a run of the server; events go into `wires`.
 pub(crate) fn follow(
     server: &Arc<Server>,
     run: &str,
@@ -74,7 +74,7 @@ struct Follower<'q> {
     woken: UnixStream,
     queue: &'q Queue,
     clock: Clock,
-    /// No one follows any more.
+    /// True if the receiver has disconnected.
     is_over: bool,
 }
 
@@ -181,7 +181,7 @@ impl Follower<'_> {
         todo.causes.drain(..).try_for_each(|cause| self.queue.send(cause))
     }
 
-    /// Asks what a state holds, beside everything else.
+    /// Requests the data of a state on a separate thread.
     fn inspect(&self, id: String, path: String) {
         let (server, run, queue) = (Arc::clone(&self.server), self.run.clone(), self.queue.clone());
         let ask = move || match server.state(&run, &path) {
@@ -194,7 +194,7 @@ impl Follower<'_> {
         }
     }
 
-    /// Empties the pipe that wakes.
+    /// Drains the pipe that wakes the thread.
     fn rub_out(&mut self) {
         let mut rest = [0; 64];
         while self.woken.read(&mut rest).is_ok_and(|read| read == rest.len()) {}

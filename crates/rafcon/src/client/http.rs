@@ -18,7 +18,7 @@ const RESPONSE_TIMEOUT: Duration = Duration::from_mins(2);
 /// Maximum size of a response, in bytes. A machine of 100,000 states is among the largest.
 const ANSWER_MAX: u64 = 512 * 1024 * 1024;
 
-/// Makes requests to one server.
+/// HTTP client for one server.
 #[derive(Clone)]
 pub(super) struct Http {
     address: Address,
@@ -32,7 +32,7 @@ impl fmt::Debug for Http {
 }
 
 impl Http {
-    /// To the server at this address, if it has this certificate.
+    /// A client for the server at this address with this certificate.
     pub(super) fn new(address: &Address, trusted: Option<Fingerprint>) -> Self {
         let config = Agent::config_builder()
             .http_status_as_error(false)
@@ -48,7 +48,7 @@ impl Http {
         }
     }
 
-    /// Makes a request and reads the answer.
+    /// Sends a request and reads the response.
     pub(super) fn ask<T: DeserializeOwned>(
         &self,
         request: Request<Vec<u8>>,
@@ -65,7 +65,7 @@ impl Http {
         Ok(Answer { body, cookies })
     }
 
-    /// Makes a request whose answer is read as it comes.
+    /// Sends a request and returns the response as a stream.
     pub(super) fn open(&self, request: Request<Vec<u8>>) -> Result<impl Read + use<>, Fault> {
         let mut response = self.agent.run(request).map_err(|error| self.fault(error))?;
         let status = response.status();
@@ -75,7 +75,7 @@ impl Http {
         Ok(response.into_body().into_reader())
     }
 
-    /// Reads the body of an answer of at most `max` bytes.
+    /// Reads the body of a response of at most `max` bytes.
     fn body(&self, response: &mut Response<Body>, max: u64) -> Result<Vec<u8>, Fault> {
         let body = response.body_mut().with_config().limit(max).read_to_vec();
         body.map_err(|error| match error {
@@ -127,7 +127,7 @@ fn cookies<T>(response: &Response<T>) -> String {
     pairs.collect::<Vec<_>>().join("; ")
 }
 
-/// A refusal in the server's words; something between may have others.
+/// The server's refusal. A proxy in between may send another format.
 fn refused(status: u16, body: &[u8]) -> Fault {
     let refusal = serde_json::from_slice(body).unwrap_or_else(|_other_words| Refusal {
         code: "other".to_owned(),
@@ -136,7 +136,7 @@ fn refused(status: u16, body: &[u8]) -> Fault {
     Fault::Refused { status, refusal }
 }
 
-/// Opens connections in our own way.
+/// Opens connections with this program's own stream.
 #[derive(Debug)]
 struct HttpConnector {
     address: Address,
@@ -159,7 +159,7 @@ impl Connector for HttpConnector {
     }
 }
 
-/// A connection as the requests use it; its patience is the socket's.
+/// A connection for requests; its timeouts are those of the socket.
 #[derive(Debug)]
 struct HttpTransport {
     stream: Stream,
@@ -208,7 +208,7 @@ mod tests {
             for _ in 0..2 {
                 let (mut socket, _) = listener.accept().unwrap();
                 assert_ne!(socket.read(&mut [0; 4096]).unwrap(), 0);
-                // The client may leave before all is written.
+                // The client may disconnect before all is written.
                 drop(socket.write_all(b"HTTP/1.1 200 OK\r\nContent-Length: 9\r\n\r\n123456789"));
             }
         };

@@ -1,4 +1,4 @@
-//! Meeting a server: whether its certificate is the right one, and by which token one is let in.
+//! Connection setup with a server: trust in its certificate, and the token for it.
 
 use super::{Address, CredentialStore, FRAME_TIMEOUT, Fault, Fingerprint, Server, Stream, Token};
 use crate::failure::{Usage, complain};
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Inputs for the decision to trust a server.
 #[derive(Debug)]
 pub(crate) struct TrustDecision<'a> {
-    /// The address that the user wrote.
+    /// The address from the user.
     pub(crate) url: &'a str,
     /// A file with the token.
     pub(crate) token_file: Option<&'a Path>,
@@ -39,8 +39,8 @@ impl TrustDecision<'_> {
         Ok(Server::new(address, trusted, token))
     }
 
-    /// The card of this computer's server, if it lives and is the one that is meant: at any other address of this computer
-    /// someone else may listen.
+    /// The address file of this computer's server, if it runs and has this address: at any other address of this computer,
+    /// another user's program may listen.
     fn own(&self, address: &Address) -> Option<AddressFile> {
         let card = AddressFile::of_living(self.state?).ok()??;
         let (own, _) = Address::parse(&card.url).ok()?;
@@ -71,7 +71,7 @@ impl TrustDecision<'_> {
         })
     }
 
-    /// The certificate that the server must have. One that is named is remembered instead of any before.
+    /// The certificate that the server must have. A fingerprint from the user replaces the saved one.
     fn trusted(&self, address: &Address, own: Option<&AddressFile>) -> Result<Fingerprint> {
         if let Some(text) = self.fingerprint {
             let print = Fingerprint::parse(text).ok_or_else(|| {

@@ -60,7 +60,7 @@ impl Server {
         Self { address, trusted, token, http }
     }
 
-    /// All runs that it knows.
+    /// All runs of the server.
     pub(crate) fn runs(&self) -> Result<Vec<RunSummary>, Fault> {
         self.get("/runs")
     }
@@ -80,7 +80,7 @@ impl Server {
         self.send(&format!("/robots/{}/runs", escaped(robot)), request)
     }
 
-    /// Starts the machine of a run again.
+    /// Starts the machine of a run as a new run.
     pub(crate) fn start_again(&self, run: &str, request: &StartAgain) -> Result<StartedRun, Fault> {
         self.send(&format!("/runs/{}/again", escaped(run)), request)
     }
@@ -132,7 +132,7 @@ impl Server {
         self.send(&format!("/runs/{}/commands", escaped(run)), envelope)
     }
 
-    /// Changes who commands a run.
+    /// Changes the control of a run.
     pub(crate) fn control(&self, run: &str, wanted: &ControlMove) -> Result<Control, Fault> {
         self.send(&format!("/runs/{}/control", escaped(run)), wanted)
     }
@@ -156,7 +156,7 @@ impl Server {
         self.get(&format!("/runs/{}/moments", escaped(run)))
     }
 
-    /// The machine of a run with this hash; without one, the one that it began with.
+    /// The machine of a run with this hash; without a hash, the machine at its start.
     pub(crate) fn machine_of_run(&self, run: &str, hash: Option<&str>) -> Outcome<Machine> {
         let query = hash.map(|hash| format!("?root={}", escaped(hash))).unwrap_or_default();
         let document: Document = self.get(&format!("/runs/{}/machine{query}", escaped(run)))?;
@@ -194,7 +194,7 @@ impl Server {
         Ok(self.http.ask(self.request(Method::GET, path, token.as_deref())?)?.body)
     }
 
-    /// A long answer, to be read as it comes.
+    /// Opens a long response as a stream.
     pub(crate) fn open(&self, path: &str) -> Result<impl Read + use<>, Fault> {
         let token = self.token.text()?;
         let mut request = self.request(Method::GET, path, token.as_deref())?;
@@ -251,7 +251,7 @@ impl Server {
         Ok(request)
     }
 
-    /// The error would not repeat the text, which may be a secret.
+    /// The parser's error does not repeat the text, which may be a secret.
     fn value(&self, text: &str) -> Result<HeaderValue, Fault> {
         HeaderValue::from_str(text).map_err(|error| self.nonsense(&error))
     }
@@ -261,7 +261,7 @@ impl Server {
     }
 }
 
-/// Text as a part of an address.
+/// Text encoded for use in an address.
 pub(crate) fn escaped(text: &str) -> String {
     let byte = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' => {

@@ -18,29 +18,29 @@ pub(crate) struct CredentialStore {
 }
 
 impl CredentialStore {
-    /// In this folder, which need not be there.
+    /// A store in this folder, which may not exist yet.
     pub(crate) fn new(folder: PathBuf) -> Self {
         Self { folder }
     }
 
-    /// The certificate that a server had when it was met first.
+    /// The saved certificate of a server, from the first connection.
     pub(crate) fn certificate(&self, address: &Address) -> Result<Option<Fingerprint>> {
         let text = self.read(KNOWN)?;
         Ok(found(&text, &address.authority()))
     }
 
-    /// Remembers a server's certificate instead of any before.
+    /// Saves a server's certificate, and replaces an earlier one.
     pub(crate) fn remember(&self, address: &Address, print: &Fingerprint) -> Result<()> {
         let text = self.read(KNOWN)?;
         self.write(KNOWN, &with(&text, &address.authority(), print))
     }
 
-    /// The token that a login got.
+    /// The token from a login.
     pub(crate) fn token(&self, address: &Address) -> Result<Option<String>> {
         Ok(self.tokens()?.remove(&address.to_string()))
     }
 
-    /// Keeps a token instead of any before.
+    /// Saves a token, and replaces an earlier one.
     pub(crate) fn keep_token(&self, address: &Address, token: &str) -> Result<()> {
         let mut tokens = self.tokens()?;
         tokens.insert(address.to_string(), token.to_owned());
@@ -74,7 +74,7 @@ impl CredentialStore {
     }
 }
 
-/// A temporary file is its owner's alone, and is what it is renamed to.
+/// Replaces a file by renaming a temporary one, which only its owner can read.
 fn replace(folder: &Path, file: &Path, text: &str) -> io::Result<()> {
     DirBuilder::new().recursive(true).mode(0o700).create(folder)?;
     let mut staged = tempfile::NamedTempFile::new_in(folder)?;
@@ -84,7 +84,7 @@ fn replace(folder: &Path, file: &Path, text: &str) -> io::Result<()> {
     Ok(())
 }
 
-/// One server a line: where it listens, and its fingerprint.
+/// Finds the fingerprint of a server in lines of address and fingerprint.
 fn found(text: &str, server: &str) -> Option<Fingerprint> {
     let of =
         |line: &str| line.split_once(' ').map(|(name, print)| (name.to_owned(), print.to_owned()));

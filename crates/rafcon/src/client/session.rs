@@ -81,7 +81,7 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Nothing is known yet.
+    /// A session without a connection.
     pub(super) fn new(run: String) -> Self {
         Self {
             run,
@@ -180,7 +180,7 @@ impl Session {
         }
     }
 
-    /// When the time alone brings something about.
+    /// Time of the next tick.
     pub(super) fn wake_at_ms(&self) -> Option<u64> {
         let again_at = self.again_at_ms.filter(|_| self.is_up());
         [self.lost_at_ms(), again_at].into_iter().flatten().min()

@@ -1,4 +1,4 @@
-//! `rafcon attach`: a second pair of eyes and hands on a run in progress, on this computer or at a server.
+//! `rafcon attach`: views and controls a run in progress, on this computer or at a server.
 
 use crate::cli;
 use crate::client::{Server, follow};
@@ -62,8 +62,8 @@ impl AtServer<'_> {
         EventQueue::new(has_keys(self.output, self.environment))
     }
 
-    /// Follows a run from this event on (0: from now on) until it ends or the user leaves; the machine is stopped at the
-    /// deadline.
+    /// Follows a run from this event on (0: only new events) until it ends or the user leaves. The machine is stopped at
+    /// the deadline.
     pub(super) fn follow(
         &self,
         run: &str,
@@ -87,7 +87,7 @@ impl AtServer<'_> {
     }
 }
 
-/// Tells the user about an end; `run` is how commands name it.
+/// Reports an end to the user; `run` is the name of the run in commands.
 pub(super) fn ended(end: &End, run: &str) -> ExitCode {
     if let Some(text) = words(end, run) {
         complain(&text);

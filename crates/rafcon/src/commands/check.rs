@@ -1,4 +1,4 @@
-//! `rafcon check`: everything that is wrong with a machine, from its files, its rules and its scripts.
+//! `rafcon check`: all problems of a machine, from its files, its rules and its scripts.
 
 use crate::cli::{self, CheckFormat};
 use crate::environment::Environment;
@@ -56,7 +56,7 @@ fn for_programs(lines: &[FindingLine]) -> Result<String> {
     Ok(text)
 }
 
-/// Something that is wrong: what, where, and the way out.
+/// A problem: description, location and remedy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 struct FindingLine {
     level: Severity,
@@ -70,7 +70,6 @@ struct FindingLine {
     file: String,
     /// Description of the problem.
     what: String,
-    /// Remedy.
     remedy: String,
 }
 

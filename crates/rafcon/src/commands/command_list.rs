@@ -26,7 +26,7 @@ use std::time::Duration;
 /// Maximum length of a list, in bytes. A server takes no longer request.
 const LIST_MAX: u64 = 8 << 20;
 
-/// Sets or releases the list if that is asked for, and prints it.
+/// Sets or releases the list on request, and prints it.
 pub(super) fn command_list(raw: &cli::CommandList, environment: &Environment) -> Result<ExitCode> {
     let wanted = match &raw.set {
         Some(file) => Some(read(file)?),
@@ -65,7 +65,7 @@ pub(super) fn command_list(raw: &cli::CommandList, environment: &Environment) ->
     Ok(ExitCode::SUCCESS)
 }
 
-/// Sets or releases the list at the server of a station if that is asked for; returns the list that counts.
+/// Sets or releases the list at the server of a station on request; returns the current list.
 fn at_server(
     server: &Server,
     raw: &cli::CommandList,
@@ -158,7 +158,7 @@ fn fate_in_words(fate: &ListFate, line: &ListLine, now_ms: u64) -> String {
     }
 }
 
-/// When a command is sent, takes effect and expires. An unknown time is not guessed.
+/// Times at which a command is sent, takes effect and expires. An unknown time is left out.
 fn times_in_words(line: &ListLine, is_with_link: bool, now_ms: u64) -> String {
     let is_sent = line.fate.is_some();
     let sent = match line.send_at_ms {
@@ -176,7 +176,7 @@ fn times_in_words(line: &ListLine, is_with_link: bool, now_ms: u64) -> String {
     format!("{sent}, {effect}{}", expiry.unwrap_or_default())
 }
 
-/// A time, and how far it is away.
+/// A time, and its distance from now.
 fn at(at_ms: u64, now_ms: u64) -> String {
     match at_ms.checked_sub(now_ms) {
         Some(wait_ms) if wait_ms > 0 => {

@@ -22,7 +22,7 @@ use std::time::Duration;
 /// Maximum length of a list of contacts, in bytes: a thousand windows with the longest notes fit.
 const LIST_MAX: u64 = 2 << 20;
 
-/// Sets the plan if there is one to set, and prints the plan that counts.
+/// Sets the plan on request, and prints the current plan.
 pub(super) fn contacts(raw: &cli::Contacts, environment: &Environment) -> Result<ExitCode> {
     let now_ms = since_1970_ms();
     let wanted = match &raw.set {
@@ -49,7 +49,7 @@ pub(super) fn contacts(raw: &cli::Contacts, environment: &Environment) -> Result
     Ok(ExitCode::SUCCESS)
 }
 
-/// Sets the plan at the server of a station if there is one to set; returns the plan that counts.
+/// Sets the plan at the server of a station on request; returns the current plan.
 fn at_server(server: &Server, robot: &str, wanted: Option<&ContactPlan>) -> Result<ContactPlan> {
     let windows = match wanted {
         Some(plan) => server.set_contacts(robot, &plan.windows())?,
@@ -87,7 +87,7 @@ fn json(windows: &[ContactWindow]) -> Result<String> {
     Ok(serde_json::to_string_pretty(windows)?)
 }
 
-/// One line for each contact. Contacts that are over have no sign.
+/// One line for each contact. Past contacts have no sign.
 fn in_words(plan: &ContactPlan, now_ms: u64) -> String {
     let lines = plan.contacts().iter().map(|contact| format!("{}\n", line(contact, now_ms)));
     match lines.collect::<String>() {

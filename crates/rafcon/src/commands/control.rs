@@ -1,4 +1,4 @@
-//! `rafcon control`: who commands a run at a server.
+//! `rafcon control`: control of a run at a server.
 
 use super::remote;
 use crate::cli;

@@ -1,4 +1,4 @@
-//! `rafcon fetch`: brings a large value of a robot to its station.
+//! `rafcon fetch`: transfers a large value from a robot to its station.
 
 use super::remote;
 use crate::cli;
@@ -49,7 +49,7 @@ pub(super) fn fetch(raw: &cli::Fetch, environment: &Environment) -> Result<ExitC
     wait(&server, &path, named)
 }
 
-/// Says now and then how far the value is, until it is here.
+/// Reports the progress of the transfer until it is complete.
 fn wait(server: &Server, path: &str, mut named: NamedValue) -> Result<ExitCode> {
     let mut said = in_words(&named);
     loop {

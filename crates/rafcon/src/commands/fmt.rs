@@ -1,4 +1,4 @@
-//! `rafcon fmt`: a machine in the current file format.
+//! `rafcon fmt`: rewrites a machine in the current file format.
 
 use crate::cli;
 use crate::environment::variable;

@@ -11,12 +11,12 @@ use std::io::{self, BufWriter, IsTerminal as _, StdoutLock};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The folder of all runs: the one that the user names, or the usual place.
+/// The folder of all runs: from the user, or the default.
 pub(super) fn runs_folder(named: &cli::Runs, environment: &Environment) -> Result<Runs> {
     Ok(Runs::new(named.runs.as_deref(), &environment.surroundings)?)
 }
 
-/// The folder of the run that the user means.
+/// The folder of the selected run.
 pub(super) fn find_run(
     named: &cli::Runs,
     environment: &Environment,
@@ -25,7 +25,7 @@ pub(super) fn find_run(
     find_run_in(&runs_folder(named, environment)?, text)
 }
 
-/// The same, in a folder of runs that is known.
+/// The folder of the selected run, in a known folder of runs.
 pub(super) fn find_run_in(runs: &Runs, text: &str) -> Result<PathBuf> {
     runs.find(text).map_err(|error| match error {
         FindError::None { .. } | FindError::Many { .. } => Usage(error.to_string()).into(),
@@ -33,7 +33,7 @@ pub(super) fn find_run_in(runs: &Runs, text: &str) -> Result<PathBuf> {
     })
 }
 
-/// Makes the folder of a new run, and deletes old ones. What cannot be deleted stops no run.
+/// Makes the folder of a new run, and deletes old ones. A failed deletion does not block the run.
 pub(super) fn make_run(runs: &Runs, machine: &str) -> Result<PathBuf> {
     if let Err(error) = runs.give_up_old_ones() {
         complain(&format!("warning: old runs could not be deleted: {error}"));
@@ -46,7 +46,7 @@ pub(super) fn run_id(folder: &Path) -> String {
     folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Opens the run that the user means.
+/// Opens the selected run.
 pub(super) fn open(raw: &cli::KeptRun, environment: &Environment) -> Result<Reader> {
     open_folder(&find_run(&raw.runs, environment, &raw.run)?)
 }
@@ -56,7 +56,7 @@ pub(super) fn open_folder(folder: &Path) -> Result<Reader> {
     Reader::open(folder).with_context(|| format!("cannot read the run in {}", folder.display()))
 }
 
-/// The standard output, for many lines.
+/// The standard output with a buffer for many lines.
 pub(super) fn out() -> BufWriter<StdoutLock<'static>> {
     BufWriter::with_capacity(64 * 1024, io::stdout().lock())
 }
@@ -67,7 +67,7 @@ pub(super) fn paint(environment: &Environment) -> Paint {
     Paint { colour, unicode: environment.unicode }
 }
 
-/// A length of time in ns, as events count it.
+/// A duration in ns, as in events.
 pub(super) fn nanos(length: Duration) -> u64 {
     u64::try_from(length.as_nanos()).unwrap_or(u64::MAX)
 }

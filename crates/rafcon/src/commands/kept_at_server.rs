@@ -23,13 +23,13 @@ pub(super) struct Keeper {
     server: Arc<Server>,
 }
 
-/// A run that a server has kept.
+/// A recorded run of a server.
 pub(super) struct Kept<'k> {
     keeper: &'k Keeper,
     pub(super) summary: RunSummary,
 }
 
-/// An event as an export writes it.
+/// An event in the export format.
 #[derive(Deserialize)]
 struct ExportedLine {
     sequence: u64,
@@ -41,7 +41,7 @@ struct ExportedLine {
 }
 
 impl Keeper {
-    /// The server that was named, if one was.
+    /// The server from the options, if any.
     pub(super) fn named(
         raw: &cli::KeptRemote,
         runs: &cli::Runs,
@@ -61,7 +61,7 @@ impl Keeper {
         Ok(remote::server(&raw, environment)?.map(|server| Self { server }))
     }
 
-    /// The run that the user means.
+    /// The run with this id, start of an id, or `last`.
     pub(super) fn run(&self, text: &str) -> Result<Kept<'_>> {
         Ok(Kept { keeper: self, summary: remote::run(&self.server, text)? })
     }
@@ -98,7 +98,7 @@ impl Kept<'_> {
             match lines.read_line(&mut line) {
                 Ok(0) => return Ok(damage.map_or(Ok(()), |what| Err(self.damaged(&what)))),
                 Ok(_) => {}
-                // The server ends the answer early if it knows of damage.
+                // The server truncates the response if it detects damage.
                 Err(error) => {
                     return Ok(
                         Err(damage.map_or_else(|| ended(error), |what| self.damaged(&what))),
@@ -118,7 +118,7 @@ impl Kept<'_> {
         }
     }
 
-    /// The run in a format of other programs.
+    /// The run in an export format.
     pub(super) fn export(&self, query: &str) -> Result<impl Read + use<>> {
         Ok(self.keeper.server.open(&format!("{}/export?{query}", self.path()))?)
     }
@@ -169,7 +169,7 @@ fn query(filter: &Filter) -> String {
     format!("{}{}", format_query(ExportFormat::Jsonl), words.collect::<String>())
 }
 
-/// The query for all of a run in a format.
+/// The query for the whole run in a format.
 pub(super) fn format_query(format: ExportFormat) -> String {
     let name = match format {
         ExportFormat::Jsonl => "jsonl",

@@ -27,7 +27,7 @@ use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 
-/// Makes a pairing and prints it, or reads one.
+/// Makes and prints a pairing, or reads one.
 pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCode> {
     let state = state(&raw.state, environment)?;
     let folder = pairings_folder(&state);
@@ -81,7 +81,7 @@ pub(super) fn pair(raw: &cli::Pair, environment: &Environment) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
-/// Makes another key, which the robot's server offers to the station.
+/// Makes a new key, which the robot's server offers to the station.
 fn renew(raw: &cli::Pair, state: &Path) -> Result<ExitCode> {
     let paired = robots_own(state, raw.robot.as_deref(), raw.station.as_deref())?;
     if !robot_folder(state, paired.pairing.station.as_deref()).is_dir() {
@@ -103,7 +103,7 @@ fn renew(raw: &cli::Pair, state: &Path) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The line that is pasted, or comes through a pipe.
+/// The pasted or piped line.
 fn pasted() -> Result<String> {
     if io::stdin().is_terminal() {
         complain("paste the line that `rafcon pair NAME` printed on the robot, and press Enter:");
@@ -183,7 +183,7 @@ impl Authority for ServerAuthority {
     }
 }
 
-/// Carries what the station's server asks of its robots to the station.
+/// Forwards requests of the station's server for its robots to the station.
 #[derive(Debug, Clone)]
 pub(super) struct StationDesk {
     values: ValueDesk,

@@ -1,4 +1,4 @@
-//! `rafcon link`: how the links of this computer are.
+//! `rafcon link`: status of the links of this computer.
 
 use super::kept::out;
 use super::link::{robot_folders, station_folder};
@@ -19,7 +19,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Prints how each link is; 1 if no program here has one.
+/// Prints the status of each link. The exit code is 1 if no program here has a link.
 pub(super) fn link_status(raw: &cli::LinkStatus, environment: &Environment) -> Result<ExitCode> {
     let state = state(&raw.state, environment)?;
     let mut reports = Vec::new();
@@ -147,7 +147,7 @@ fn planned_contact(health: &LinkHealth, now_ms: u64) -> String {
     format!("next contact in {wait}, {begin} to {end}, profile {profile}{note}")
 }
 
-/// When a command is sent and takes effect.
+/// Times at which a command is sent and takes effect.
 fn command_line(command: &OpenCommand, is_heard: bool, now_ms: u64) -> String {
     let OpenCommand { id, asks, stage, send_at_ms, effect_ms, .. } = command;
     let user = match id.strip_prefix(LIST_ID) {

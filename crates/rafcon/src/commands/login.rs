@@ -1,4 +1,4 @@
-//! `rafcon login`: a name and a password become a token, which is kept.
+//! `rafcon login`: exchanges a name and a password for a token, and saves it.
 
 use super::remote;
 use crate::cli;
@@ -10,10 +10,10 @@ use rustix::termios::{LocalModes, OptionalActions, Termios, tcgetattr, tcsetattr
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
-/// For how long a token is good: 90 days, in seconds.
+/// Lifetime of a token: 90 days, in seconds.
 const LIFETIME_S: u64 = 90 * 24 * 3600;
 
-/// Logs in.
+/// Logs in and saves the token.
 pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitCode> {
     let server = remote::meet(&raw.server, &raw.access, environment)?;
     let user = match &raw.user {
@@ -34,7 +34,7 @@ pub(super) fn login(raw: &cli::Login, environment: &Environment) -> Result<ExitC
     Ok(ExitCode::SUCCESS)
 }
 
-/// A password: one line of a pipe, or typed on a terminal that does not show it.
+/// A password: one line from a pipe, or typed on a terminal without echo.
 pub(super) fn password(user: &str) -> Result<String> {
     let quiet = EchoOff::new();
     let password = if io::stdin().is_terminal() {
@@ -59,7 +59,7 @@ fn line() -> Result<String> {
     Ok(line.trim_end_matches(['\n', '\r']).to_owned())
 }
 
-/// A terminal that does not repeat what is written, until dropped.
+/// Switches the echo of a terminal off, until dropped.
 struct EchoOff(Option<Termios>);
 
 impl EchoOff {

@@ -1,4 +1,4 @@
-//! One module a command; each turns raw words into a checked request and carries it out.
+//! One module per command. Each converts its options to a checked request and executes it.
 
 mod attach;
 mod check;

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Makes the machine; a folder that has something in it is left alone.
+/// Makes the machine. A folder with content is refused.
 pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     let template = templates::find(&raw.template)
         .with_context(|| format!("there is no template `{}`", raw.template))?;
@@ -37,7 +37,7 @@ pub(super) fn new(raw: &cli::New) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Refuses a folder that has something in it.
+/// Refuses a folder with content.
 pub(super) fn check_free(path: &Path) -> Result<()> {
     let entries = match std::fs::read_dir(path) {
         Ok(entries) => entries,

@@ -20,7 +20,7 @@ const MACHINE_TRIES: u32 = 20;
 /// Delay between these requests.
 const MACHINE_PAUSE: Duration = Duration::from_millis(100);
 
-/// The server that was named, if one was.
+/// The server from the options, if any.
 pub(super) fn server(raw: &cli::Remote, environment: &Environment) -> Result<Option<Arc<Server>>> {
     let url = raw.server.as_deref();
     url.map(|url| Ok(Arc::new(meet(url, &raw.access, environment)?))).transpose()
@@ -49,7 +49,7 @@ pub(super) fn notebook(environment: &Environment) -> Result<CredentialStore> {
     Ok(CredentialStore::new(folder))
 }
 
-/// A server has its own folder of runs.
+/// Refuses a folder of runs: a server has its own.
 pub(super) fn refuse_runs(raw: &cli::Runs, environment: &Environment) -> Result<()> {
     let [_, in_environment] = &environment.options;
     refuse(
@@ -59,7 +59,7 @@ pub(super) fn refuse_runs(raw: &cli::Runs, environment: &Environment) -> Result<
     )
 }
 
-/// Refuses an option that means nothing at a server.
+/// Refuses an option without a meaning at a server.
 pub(super) fn refuse(is_given: bool, option: &str, why: &str) -> Result<()> {
     if !is_given {
         return Ok(());
@@ -67,7 +67,7 @@ pub(super) fn refuse(is_given: bool, option: &str, why: &str) -> Result<()> {
     Err(Usage(format!("{option} does not work with --server: {why}; leave it out")).into())
 }
 
-/// The run that the user means.
+/// The run with this id, start of an id, or `last`.
 pub(super) fn run(server: &Server, text: &str) -> Result<RunSummary> {
     let mut runs = server.runs()?;
     runs.sort_by(|a, b| a.id.cmp(&b.id));
@@ -101,7 +101,7 @@ pub(super) fn names(server: &Arc<Server>, run: &str) -> Names {
     .following(move |hash| machine(&later, &run, Some(hash)))
 }
 
-/// The machine of a run with this hash, else the one that it began with; that of a run that has just begun is kept a little later.
+/// The machine of a run with this hash, or else at its start. A new run saves its machine after a short delay.
 fn machine(server: &Server, run: &str, hash: Option<&str>) -> Option<Machine> {
     for _try in 0..MACHINE_TRIES {
         match server.machine_of_run(run, hash) {

@@ -5,7 +5,7 @@ use rafcon_server::Server;
 use rafcon_supervisor::{RosBridge, RosBridgeSettings};
 use serde_json::json;
 
-/// Starts the bridge of a server; a server without one is better than none.
+/// Starts the bridge of a server. A failure is only reported: the server works without a bridge.
 pub(super) fn bridge(server: &Server, namespace: &str, frame: &str) -> Option<RosBridge> {
     let settings = server.state().settings();
     let begun = RosBridge::begin(RosBridgeSettings {

@@ -1,4 +1,4 @@
-//! `rafcon serve`: from the words of the command line to a server's settings. What a server does, `rafcon-server` knows.
+//! `rafcon serve`: converts the options to the settings of a server. `rafcon-server` does the rest.
 
 use super::kept::runs_folder;
 use super::link::{Relays, ServerAuthority, StationDesk};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// Serves until it is asked to end; a station also receives robots.
+/// Serves until a request to stop; a station also receives robots.
 pub(super) fn serve(
     raw: &cli::Serve,
     robots: Option<SocketAddr>,
@@ -37,7 +37,7 @@ pub(super) fn serve(
     let mut bridge = None;
     let served = rafcon_server::serve(settings, |server| {
         authority.set(RunAuthority::new(server.state()));
-        // A station needs no machines: it has those of its robots.
+        // A station needs no machines of its own: it receives those of its robots.
         if raw.projects.is_empty() && robots.is_none() {
             complain(
                 "warning: the command names no folder with machines; the server offers only runs",
@@ -79,7 +79,7 @@ fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
     Ok(settings)
 }
 
-/// The server's own folder: the one that the user names, or the usual place.
+/// The server's own folder: from the user, or the default.
 pub(super) fn state(named: &cli::State, environment: &Environment) -> Result<PathBuf> {
     let surroundings = &environment.surroundings;
     let usual = || {

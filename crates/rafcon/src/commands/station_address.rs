@@ -18,8 +18,8 @@ const USUAL_PORT: u16 = 4748;
 /// Read timeout of a connection; a station without a response is dropped.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Reads `udp://HOST:PORT`, `ws://HOST:PORT` or `wss://HOST:PORT`, the latter two with a path if they like. A station at `wss://` takes the next
-/// fingerprint.
+/// Parses `udp://HOST:PORT`, `ws://HOST:PORT` or `wss://HOST:PORT`, the latter two with an optional path. A station at
+/// `wss://` takes the next fingerprint.
 pub(super) fn station_address(
     text: &str,
     fingerprints: &mut Iter<'_, String>,
@@ -50,7 +50,7 @@ pub(super) fn station_address(
     Ok(StationAddress::WebSocket(Arc::new(StationDial { path: path.to_owned(), address, trusted })))
 }
 
-/// The certificate that the station must have. The next that is named is remembered.
+/// The certificate that the station must have. The next fingerprint from the options is saved.
 fn trusted(
     address: &Address,
     fingerprints: &mut Iter<'_, String>,

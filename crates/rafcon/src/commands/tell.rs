@@ -20,10 +20,10 @@ use serde_json::{Map, Value};
 use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::process::ExitCode;
 
-/// Exit code: it is not known whether the command was carried out.
+/// Exit code for a command with an unknown result.
 const UNKNOWN: u8 = 9;
 
-/// Says it, and waits for the answer.
+/// Sends the command, and waits for the answer.
 pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCode> {
     let command = command(&raw.command, &raw.fields)?;
     if let Some(server) = remote::server(&raw.remote, environment)? {
@@ -36,7 +36,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
         let now_ms = now.now_ms.saturating_sub(waited_ms);
         let link = now.robot.and_then(|robot| robot.lifetime());
         let envelope = timed(envelope, raw, now_ms).dated(now_ms, link);
-        // A stop does not expire: it is sent once.
+        // A stop does not expire, and is sent once.
         let expires_ms = envelope.expiry.map_or(0, |Expiry(until)| until);
         let is_wanted = || {
             let passed_ms = u64::try_from(waiting.now().as_millis()).unwrap_or(u64::MAX);
@@ -51,7 +51,7 @@ pub(super) fn tell(raw: &cli::Tell, environment: &Environment) -> Result<ExitCod
     let mut hello = String::new();
     runner.read_line(&mut hello)?;
     decode::<Hello>(&hello)?.check()?;
-    // As a server would name it.
+    // In the format of a server.
     let id = format!("{}/{}", environment.user, remote::command_id()?);
     control.write_all(&encode(&ToRunner::Join(Join::default()))?)?;
     let told = envelope(id.clone(), &environment.user, command);
@@ -91,7 +91,7 @@ fn answer(
     }
 }
 
-/// Adds the user's times; `now_ms` is the time by the clock of the run.
+/// Adds the times from the options; `now_ms` is the time by the clock of the run.
 fn timed(envelope: Envelope, raw: &cli::Tell, now_ms: u64) -> Envelope {
     let at = |seconds: u64| now_ms.saturating_add(seconds.saturating_mul(1_000));
     let expiry = raw.expires_in_s.map(|seconds| Expiry(at(seconds)));

@@ -1,4 +1,5 @@
-//! `rafcon user`: who may log in to the server. Knows how a password is asked for; users and tokens, `rafcon-server` knows.
+//! `rafcon user`: the users who may log in to the server. Knows the password prompt; `rafcon-server` knows users and
+//! tokens.
 
 use super::{login, serve};
 use crate::cli::{self, UserAction};
@@ -10,7 +11,7 @@ use rafcon_server::settings::HashCost;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::process::ExitCode;
 
-/// Does what was asked about users.
+/// Performs the requested action on users.
 pub(super) fn user(raw: &cli::User, environment: &Environment) -> Result<ExitCode> {
     let users = Users::open(&serve::state(&raw.state, environment)?, HashCost::USUAL)?;
     match &raw.action {

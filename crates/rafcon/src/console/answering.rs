@@ -1,4 +1,4 @@
-//! Answering a question of a state by keys.
+//! Input of an answer to a question of a state.
 
 use super::prompt::PromptStep;
 use super::{Key, UserAction};
@@ -6,13 +6,13 @@ use crate::view::{Style, TextLine, harmless};
 use rafcon_protocol::{Command, Form, Question};
 use serde_json::{Value, json};
 
-/// A question that is being answered.
+/// A question in progress.
 #[derive(Debug)]
 pub(super) struct Answering {
     question: Question,
     text: String,
     checked: Vec<bool>,
-    /// The text is written; a button is still to be chosen.
+    /// True if the text is complete and a button is still to be chosen.
     is_written: bool,
     complaint: Option<String>,
 }

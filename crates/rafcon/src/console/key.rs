@@ -1,26 +1,20 @@
-//! Keys as the console knows them.
+//! Keys of the console.
 
 use crossterm::event::{Event, KeyCode, KeyEventKind, KeyModifiers};
 
 /// A key that was pressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Key {
-    /// A character.
     Char(char),
-    /// Return.
     Enter,
-    /// Escape.
     Escape,
-    /// Rub out.
     Backspace,
-    /// Arrow up.
     Up,
-    /// Arrow down.
     Down,
 }
 
 impl Key {
-    /// The key of a terminal's event, if it is one that means something here.
+    /// The key of a terminal event, if the console uses it.
     pub(crate) fn of(event: &Event) -> Option<Self> {
         let key = event.as_key_event().filter(|key| key.kind != KeyEventKind::Release)?;
         if key.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) {

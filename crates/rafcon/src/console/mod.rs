@@ -71,7 +71,7 @@ impl Console {
         found.or_else(held).or(snapshot.active.last()).map(|state| state.path.as_str())
     }
 
-    /// Takes one key in; `order` are the paths of the active states as they are shown.
+    /// Handles one key; `order` are the paths of the active states as shown.
     pub(crate) fn key(
         &mut self,
         key: Key,
@@ -148,7 +148,7 @@ impl Console {
         }
     }
 
-    /// Keys that begin something longer.
+    /// Handles keys that open a prompt or overlay.
     fn open(&mut self, key: Key, snapshot: &Snapshot) -> Option<UserAction> {
         let target = self.target(snapshot);
         match key {

@@ -1,4 +1,4 @@
-//! A line that the user writes, and what it is for.
+//! An input line of the user, with its purpose.
 
 use super::{Key, UserAction};
 use crate::view::{Style, TextLine, harmless};
@@ -17,7 +17,7 @@ pub(super) enum Purpose {
     Force { path: String },
 }
 
-/// A line that is being written.
+/// A line in progress.
 #[derive(Debug)]
 pub(super) struct Prompt {
     purpose: Purpose,
@@ -85,7 +85,7 @@ fn number<T: std::str::FromStr>(text: &str, what: &str) -> Result<T, String> {
     text.parse().map_err(|_no_number| format!("write {what}"))
 }
 
-/// A breakpoint as people write it: `STATE [after] [if CONDITION]`.
+/// Parses a breakpoint as people write it: `STATE [after] [if CONDITION]`.
 pub(crate) fn breakpoint(id: u64, text: &str) -> Result<Breakpoint, String> {
     let (place, condition) = match text.split_once(" if ") {
         Some((place, condition)) => (place.trim(), Some(condition.trim().to_owned())),

@@ -6,9 +6,8 @@ use rafcon_supervisor::RunnerDeath;
 /// Reason for the end.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum End {
-    /// The machine finished.
+    /// The machine ended by itself, or after a stop.
     Finished {
-        /// The root's outcome.
         outcome: Outcome,
         /// True if `--timeout` stopped it.
         timed_out: bool,
@@ -46,7 +45,7 @@ pub(crate) enum End {
 }
 
 impl End {
-    /// The states that were active when the run was cut off.
+    /// The active states at the time when the run was cut off.
     pub(crate) fn active(&self) -> Option<&[String]> {
         match self {
             Self::Killed { active, .. } | Self::Died(RunnerDeath { active, .. }) => Some(active),
@@ -58,7 +57,7 @@ impl End {
         }
     }
 
-    /// The program's exit code, as `rafcon run --help` lists them.
+    /// Exit code of the program, as in `rafcon run --help`.
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Killed { has_begun: true, .. } => 8,

@@ -16,7 +16,7 @@ const TAIL: usize = 12;
 #[derive(Debug, Default)]
 pub(super) struct Active {
     paths: Vec<String>,
-    /// The last event that is known.
+    /// Number of the last known event.
     last: u64,
 }
 
@@ -24,12 +24,12 @@ impl Active {
     /// Updates the active states from a message of the run.
     pub(super) fn told(&mut self, message: &ToViewer) {
         match message {
-            // A snapshot may come before what happened before it.
+            // A snapshot may arrive before older events.
             ToViewer::Event { sequence, event, .. } if *sequence > self.last => {
                 self.last = *sequence;
                 self.happened(event);
             }
-            // And after what happened after it.
+            // It may also arrive after newer events.
             ToViewer::Snapshot(snapshot) if snapshot.sequence >= self.last => {
                 self.last = snapshot.sequence;
                 self.paths = snapshot.active.iter().map(|state| state.path.clone()).collect();
@@ -65,12 +65,12 @@ pub(super) struct Pulse {
 }
 
 impl Pulse {
-    /// When the next question is due.
+    /// Time of the next ping.
     pub(super) fn due(&self) -> Duration {
         self.next
     }
 
-    /// The question, if it is due.
+    /// The next ping, if it is due.
     pub(super) fn question(&mut self, now: Duration) -> Option<ToRunner> {
         if now < self.next {
             return None;
@@ -99,7 +99,7 @@ pub(super) struct ProcessEnd {
     is_silent: bool,
     /// Its error output is closed: all its output has been read.
     is_drained: bool,
-    /// When waiting for last words ends.
+    /// End of the wait for its last output.
     settled_at: Option<Duration>,
     tail: VecDeque<String>,
 }
@@ -118,7 +118,7 @@ impl ProcessEnd {
         self.is_drained |= stream == Stream::Stderr;
     }
 
-    /// It wrote this line to its error output.
+    /// Stores a line of its error output.
     pub(super) fn said(&mut self, line: &str) {
         self.tail.push_back(line.to_owned());
         if self.tail.len() > TAIL {
@@ -135,7 +135,7 @@ impl ProcessEnd {
         self.exit
     }
 
-    /// When waiting for its last words ends.
+    /// End of the wait for its last output.
     pub(super) fn settled_at(&self) -> Option<Duration> {
         self.settled_at
     }

@@ -32,16 +32,16 @@ pub(crate) const GRACE: Duration = Duration::from_secs(3);
 /// Maximum delay between the end of a run and the exit of its process.
 pub(crate) const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A requested action.
+/// An action for the loop.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Action {
     /// Send this to the run.
     Send(ToRunner),
     /// End the runner's process group at once.
     Kill,
-    /// Show this.
+    /// Show this to the user.
     Show(ToViewer),
-    /// Show that the run responds, or for how long it has not.
+    /// Show that the run responds, or the duration of its silence.
     Heard(Option<Duration>),
     /// Show the user this text.
     Note(String),
@@ -65,7 +65,6 @@ enum RobotContact {
     Lost,
 }
 
-/// Follows one run.
 #[derive(Debug)]
 pub(crate) struct RunFollower {
     role: RunRole,
@@ -83,7 +82,7 @@ pub(crate) struct RunFollower {
     stop_requests: StopRequests,
     waiting: Waiting,
     unattended: Option<Unattended>,
-    /// Author of commands.
+    /// Author of the commands.
     author: String,
     /// Unique prefix of the ids of our commands.
     prefix: String,
@@ -100,7 +99,7 @@ pub(crate) struct RunFollower {
 }
 
 impl RunFollower {
-    /// A run of which nothing is known yet. `author` gives commands, whose ids begin with `prefix`; the machine is stopped at
+    /// A follower of an unknown run. `author` sends commands with ids that begin with `prefix`. The machine is stopped at
     /// `deadline`.
     pub(crate) fn new(
         role: RunRole,
@@ -141,12 +140,12 @@ impl RunFollower {
         Self { pulse: Some(Pulse::default()), ..self }
     }
 
-    /// The same where nobody watches: a run that can only wait is stopped, unless its machine `ends_itself`.
+    /// Marks the run as unwatched: a run that can only wait is stopped, unless its machine `ends_itself`.
     pub(crate) fn unattended(self, ends_itself: impl Fn() -> bool + 'static) -> Self {
         Self { unattended: Some(Unattended(Box::new(ends_itself))), ..self }
     }
 
-    /// Takes one cause in.
+    /// Handles one cause, and adds the resulting actions.
     pub(crate) fn handle(&mut self, now: Duration, cause: Cause, out: &mut Vec<Action>) {
         match cause {
             Cause::Hello(hello) => self.hello(&hello, out),
@@ -177,13 +176,13 @@ impl RunFollower {
         self.watch(now, out);
     }
 
-    /// The reason of the end, once there is nothing more to wait for.
+    /// The reason of the end, once no further cause is expected.
     pub(crate) fn end(&self, now: Duration) -> Option<&End> {
         let is_over = self.role != RunRole::Owner || self.process.is_over(now);
         self.end.as_ref().filter(|_| is_over)
     }
 
-    /// When the next tick is needed at the latest.
+    /// Latest time of the next tick.
     pub(crate) fn wake_at(&self) -> Option<Duration> {
         let asks = self.pulse.as_ref().filter(|_| self.is_greeted).map(Pulse::due);
         [self.deadline, self.kill_at, self.process.settled_at(), asks].into_iter().flatten().min()
@@ -252,7 +251,7 @@ impl RunFollower {
         self.kill_at = Some(now + EXIT_TIMEOUT);
     }
 
-    /// Reports a run of ours that can only wait, and stops it where nobody watches.
+    /// Reports a run of ours that can only wait, and stops it if nobody watches.
     fn may_only_wait(&mut self, snapshot: &Snapshot, out: &mut Vec<Action>) {
         let awaited = self.waiting.begins(snapshot).filter(|_| self.role == RunRole::Owner);
         let Some(awaited) = awaited else { return };
@@ -316,7 +315,7 @@ impl RunFollower {
         out.extend([Action::Heard(Some(age.unwrap_or_default())), Action::Note(text)]);
     }
 
-    /// Output that the runner did not log: a line without a state. The last words of a runner that died are errors.
+    /// Logs output that the runner did not log, without a state. The last output of a dead runner counts as errors.
     fn raw(&mut self, stream: Stream, line: String, out: &mut Vec<Action>) {
         let is_death = stream == Stream::Stderr && self.end.is_none();
         let level = if is_death { LogLevel::Error } else { LogLevel::Info };
@@ -387,13 +386,13 @@ impl RunFollower {
         }
     }
 
-    /// Ends a process of ours at once.
+    /// Ends our process at once.
     fn kill(&mut self, end: End, out: &mut Vec<Action>) {
         self.finish(end);
         out.push(Action::Kill);
     }
 
-    /// The first reason counts.
+    /// Stores the first reason of the end.
     fn finish(&mut self, end: End) {
         self.end.get_or_insert(end);
     }
@@ -416,13 +415,13 @@ impl RunFollower {
     }
 }
 
-/// A line of the log that no state has written.
+/// A log line without a state.
 fn log(t_ns: u64, level: LogLevel, stream: Stream, message: String) -> Action {
     let event = Event::Log { path: String::new(), level, stream, message };
     Action::Show(ToViewer::Event { sequence: 0, t_ns, event })
 }
 
-/// A command of the person at this terminal.
+/// A command of the user at this terminal.
 pub(crate) fn envelope(id: String, author: &str, command: Command) -> Envelope {
     Envelope::new(id, author, command)
 }

@@ -7,7 +7,8 @@ use rafcon_protocol::{Command, ToRunner};
 use std::time::Duration;
 
 impl RunFollower {
-    /// A guest leaves at the first request. Everyone else stops the run, then kills it, and at last leaves a run at a server.
+    /// Handles a stop signal. A guest leaves at the first request. Others stop the run, then kill it, and at last leave a
+    /// run at a server.
     pub(super) fn interrupt(&mut self, now: Duration, signal: StopSignal, out: &mut Vec<Action>) {
         let request = self.stop_requests.add(now, signal);
         let takes_a_stop = match self.role {
@@ -64,7 +65,7 @@ impl RunFollower {
         format!("{}-{}", self.prefix, self.commands)
     }
 
-    /// Has the run kill itself, which is someone else's process.
+    /// Makes an external run kill itself.
     pub(super) fn have_killed(&mut self, text: &str, out: &mut Vec<Action>) {
         self.kill_at = None;
         self.is_kill_sent = true;

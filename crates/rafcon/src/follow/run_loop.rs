@@ -1,5 +1,5 @@
-//! The loop in which a run is followed: causes from the event queue to the follower, what it decides to run, process and view.
-//! Decides nothing itself, and does not know how the run is reached.
+//! The loop that follows a run: it passes causes from the event queue to the follower, and the follower's actions to the
+//! run, the process and the view. Decides nothing itself, and does not know the type of the connection.
 
 use super::{Action, End, RunFollower};
 use crate::clock::Clock;
@@ -11,10 +11,10 @@ use rafcon_supervisor::Group;
 use std::io;
 use std::time::Duration;
 
-/// Shown where a message to the run was dropped.
+/// Note about a dropped message to the run.
 const DROPPED: &str = "too many commands wait for the run: the last one was not sent";
 
-/// A run that is followed.
+/// A followed run, with its connection and its view.
 pub(crate) struct RunLoop {
     pub(crate) follower: RunFollower,
     pub(crate) view: Box<dyn View>,
@@ -25,7 +25,7 @@ pub(crate) struct RunLoop {
 }
 
 impl RunLoop {
-    /// Follows the run until there is nothing more to wait for.
+    /// Follows the run until its end.
     pub(crate) fn until_the_end(&mut self, queue: &EventQueue) -> Result<End> {
         let mut actions = Vec::new();
         loop {
@@ -43,14 +43,14 @@ impl RunLoop {
         }
     }
 
-    /// The same, and shows the end.
+    /// Follows the run until its end, and shows the end.
     pub(crate) fn until_the_end_is_shown(mut self, queue: &EventQueue) -> Result<End> {
         let end = self.until_the_end(queue)?;
         self.show(|view| view.end(&end))?;
         Ok(end)
     }
 
-    /// Shows something. Without a view, a run of ours continues unseen; a guest has nothing more to do here.
+    /// Shows something. Without a view, a run of ours continues; a guest ends.
     pub(crate) fn show(
         &mut self,
         what: impl FnOnce(&mut dyn View) -> io::Result<()>,

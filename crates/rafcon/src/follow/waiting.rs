@@ -1,9 +1,9 @@
-//! Runs that can only wait: nothing happens in them until somebody changes the run or its machine. Pure.
+//! Runs that can only wait until somebody changes the run or its machine. Pure.
 
 use rafcon_protocol::{ActiveState, Phase, RunStatus, Snapshot};
 use std::fmt;
 
-/// True if everything that is active waits for something that the machine lacks.
+/// True if every active state waits for something that the machine lacks.
 pub(super) fn can_only_wait(snapshot: &Snapshot) -> bool {
     let active = &snapshot.active;
     let waits = |state: &ActiveState| state.phase == Phase::Waiting;
@@ -17,7 +17,7 @@ pub(super) fn can_only_wait(snapshot: &Snapshot) -> bool {
         && active.iter().all(|state| waits(state) || is_container(state))
 }
 
-/// Returns whether a deadline or a lost-link policy ends the waiting of a machine.
+/// Reports if a deadline or a lost-link policy ends the waiting of a machine.
 type EndsItself = Box<dyn Fn() -> bool>;
 
 /// A run that nobody watches.
@@ -38,9 +38,9 @@ pub(super) struct Waiting {
 }
 
 impl Waiting {
-    /// For what the run waits, once each time that it begins to wait for good.
+    /// Description of what the run waits for; once each time that it starts to wait permanently.
     ///
-    /// Read from the snapshot, which can overtake the events before it.
+    /// Reads the snapshot, which can overtake earlier events.
     pub(super) fn begins(&mut self, snapshot: &Snapshot) -> Option<String> {
         let waits = can_only_wait(snapshot);
         let begins = waits && !self.is_reported;
@@ -49,7 +49,7 @@ impl Waiting {
     }
 }
 
-/// For what the states of a snapshot wait, each thing once.
+/// Description of what the states of a snapshot wait for, without duplicates.
 fn awaited(snapshot: &Snapshot) -> String {
     let waiting = snapshot.active.iter().filter(|state| state.phase == Phase::Waiting);
     let mut awaited: Vec<&str> = waiting.filter_map(|state| state.detail.as_deref()).collect();
@@ -62,7 +62,7 @@ fn awaited(snapshot: &Snapshot) -> String {
 mod tests {
     use super::*;
 
-    /// Without the events that led to it.
+    /// No earlier events are needed.
     #[test]
     fn a_snapshot_alone_says_what_is_awaited() {
         let state = |path: &str, phase, detail: Option<&str>| ActiveState {

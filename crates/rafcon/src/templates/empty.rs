@@ -1,4 +1,4 @@
-//! A hierarchy with nothing in it but an outcome. Knows the model only.
+//! An empty hierarchy with one outcome. Knows the model only.
 
 use super::{Template, TemplateRequest};
 use rafcon_model::{Container, Kind, Outcome, OutcomeId, State, StateId};
@@ -11,7 +11,7 @@ pub(super) const TEMPLATE: Template = Template {
     build: |wish| Ok(root(wish)),
 };
 
-/// The root alone; it waits when it runs, for it has no start state.
+/// The root alone. It has no start state, so a run of it waits.
 pub(super) fn root(wish: &TemplateRequest) -> State {
     let kind = Kind::Hierarchy(Container::default());
     let mut root = State::new(StateId::new("ROOTED"), &wish.name, kind);

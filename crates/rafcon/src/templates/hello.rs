@@ -1,4 +1,4 @@
-//! Two states that pass a value on: the first machine that a reader runs. Knows the model only.
+//! Two states that pass a value: the first machine for a reader to run. Knows the model only.
 
 use super::{Template, TemplateRequest, empty};
 use rafcon_model::{

@@ -1,7 +1,7 @@
-//! Machines that `rafcon new` can make, one module each.
+//! Templates of `rafcon new`, one module each.
 //!
-//! A template knows the model only: it makes a root state from a [`TemplateRequest`]. It knows nothing of files; writing is the
-//! command's work. A new template is a module here and a line in [`ALL`].
+//! A template knows only the model: it makes a root state from a [`TemplateRequest`]. The command writes the files. A new
+//! template is a module here and a line in [`ALL`].
 
 mod empty;
 mod hello;
@@ -23,9 +23,9 @@ pub(crate) struct TemplateRequest {
 /// A template for a new machine.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Template {
-    /// Value of `--template`.
+    /// Value of the option `--template`.
     pub(crate) name: &'static str,
-    /// Short description.
+    /// Short description for the help text.
     pub(crate) about: &'static str,
     /// True if the template supports `--states`.
     pub(crate) sized: bool,
@@ -35,7 +35,7 @@ pub(crate) struct Template {
     pub(crate) build: fn(&TemplateRequest) -> Result<State>,
 }
 
-/// Every template, in the order in which help shows them.
+/// All templates, in the order of the help text.
 pub(crate) const ALL: &[Template] =
     &[hello::TEMPLATE, mission::TEMPLATE, rover::TEMPLATE, empty::TEMPLATE];
 
@@ -45,7 +45,7 @@ pub(crate) fn find(name: &str) -> Option<&'static Template> {
 }
 
 impl Template {
-    /// Makes the root state, after looking at what this template cannot do.
+    /// Makes the root state; refuses options that the template does not support.
     pub(crate) fn root(&self, wish: &TemplateRequest) -> Result<State> {
         if wish.states.is_some() && !self.sized {
             bail!("the template `{}` has only one size: leave `--states` out", self.name);

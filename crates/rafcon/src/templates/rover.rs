@@ -1,5 +1,5 @@
-//! A rover that plans its own mission: it observes, plans, and plans again when a step fails. Knows the model, and the ports of the
-//! libraries `examples/rover/observe` and `planning/replan`.
+//! A rover that plans its own mission: it observes, plans, and replans when a step fails. Knows the model, and the ports of
+//! the libraries `examples/rover/observe` and `planning/replan`.
 
 use super::mission::layout;
 use super::{Template, TemplateRequest, empty};
@@ -26,7 +26,7 @@ const TRIED: PortId = PortId(11);
 const TRIED_NOW: PortId = PortId(12);
 /// The output of `examples/rover/observe`.
 const SEEN: PortId = PortId(0);
-/// The variable with the plans that were tried.
+/// The variable with the plans tried.
 const PLANS: PortId = PortId(0);
 
 fn root(wish: &TemplateRequest) -> State {

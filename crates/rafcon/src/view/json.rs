@@ -9,11 +9,10 @@ use serde::Serialize;
 use std::io::{self, BufWriter, Write};
 use std::time::Duration;
 
-/// Writes events as they are.
 #[derive(Debug)]
 pub(crate) struct Json<W: Write> {
     out: BufWriter<W>,
-    /// Kept back, so that nothing comes after it.
+    /// Held back, so that it is written last.
     finished: Option<Event>,
 }
 

@@ -1,4 +1,4 @@
-//! A run as plain lines: for pipes, files and terminals that can do nothing else.
+//! A run as plain lines: for pipes, files and simple terminals.
 
 use super::text::{Paint, Style, TextLine, counted, harmless};
 use super::words::{notable, summary};

@@ -38,7 +38,6 @@ pub(crate) trait View {
     fn loaded(&mut self, name: &str, states: u64) -> io::Result<()>;
     /// Shows an event; `time` counts from the start of the run.
     fn event(&mut self, time: Duration, event: Event) -> io::Result<()>;
-    /// Shows a snapshot.
     fn snapshot(&mut self, now: Duration, snapshot: Snapshot) -> io::Result<()>;
     /// Shows that the run responds, or the duration of its silence.
     fn heard(&mut self, _now: Duration, _silence: Option<Duration>) -> io::Result<()> {
@@ -46,7 +45,7 @@ pub(crate) trait View {
     }
     /// Shows a message about this program.
     fn note(&mut self, text: &str) -> io::Result<()>;
-    /// Handles a key.
+    /// Handles a key, and returns its action.
     fn key(&mut self, _key: Key) -> Option<UserAction> {
         None
     }
@@ -56,13 +55,13 @@ pub(crate) trait View {
     }
     /// Draws pending changes.
     fn refresh(&mut self, now: Duration) -> io::Result<()>;
-    /// The user puts this program aside; the next refresh is when it is back.
+    /// Restores the terminal while the program is suspended; the next refresh follows on return.
     fn set_aside(&mut self) -> io::Result<()>;
     /// Receives all values at the end of the run; its last event has only their views.
     fn end_values(&mut self, _values: EndValues) -> io::Result<()> {
         Ok(())
     }
-    /// Shows the end.
+    /// Shows the end of the run.
     fn end(&mut self, end: &End) -> io::Result<()>;
 }
 

@@ -7,10 +7,10 @@ use std::fmt;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-/// Names, once the machine is loaded; ids for what it does not have.
+/// Names of the loaded machine; ids for all else.
 pub(crate) struct Names {
     loading: Option<JoinHandle<Option<Machine>>>,
-    /// The machine as it is now, and as it was before the last change: what is left meanwhile may be gone from the newer.
+    /// The current machine and the one before. States that are active during a change may exist only in the older one.
     machines: [Option<Machine>; 2],
     known: BTreeMap<String, Arc<str>>,
     later: Option<LoadChanged>,
@@ -26,13 +26,13 @@ impl fmt::Debug for Names {
 }
 
 impl Names {
-    /// Names that `load` finds out on a thread of its own; if it finds nothing, ids are shown.
+    /// Names from a machine that `load` loads on a separate thread; without a machine, ids are shown.
     pub(crate) fn new(load: impl FnOnce() -> Option<Machine> + Send + 'static) -> Self {
         let loading = std::thread::Builder::new().name("names".to_owned()).spawn(load).ok();
         Self { loading, machines: [None, None], known: BTreeMap::new(), later: None }
     }
 
-    /// The same names, and those of the machine that `load` finds by its hash, whenever the run's machine has changed.
+    /// Adds the loading of machines by their hash, whenever the run's machine has changed.
     pub(crate) fn following(
         self,
         load: impl Fn(&str) -> Option<Machine> + Send + Sync + 'static,
@@ -40,7 +40,7 @@ impl Names {
         Self { later: Some(Arc::new(load)), ..self }
     }
 
-    /// Hears of a change of the machine.
+    /// Handles a change of the machine.
     pub(crate) fn hear(&mut self, event: &Event) {
         let Event::Root { hash, change } = event else { return };
         let Some(load) = self.later.clone().filter(|_| !change.is_empty()) else { return };
@@ -50,7 +50,7 @@ impl Names {
         self.loading = spawn.spawn(move || load(&hash)).ok();
     }
 
-    /// The path of ids that the user means by a path of ids, a path of names, or a name that only one state has.
+    /// The path of ids for the user's text: a path of ids, a path of names, or a unique name.
     pub(crate) fn resolve(&mut self, text: &str) -> Result<String, String> {
         self.wait();
         let [Some(machine), _] = &self.machines else { return Ok(text.to_owned()) };
@@ -101,7 +101,7 @@ impl Names {
     }
 }
 
-/// Finds the states that are called `text`, or whose names from the root on are.
+/// Finds the states whose name, or path of names, is `text`.
 fn collect(
     state: &Arc<State>,
     ids: &mut Vec<String>,

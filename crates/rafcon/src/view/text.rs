@@ -16,7 +16,7 @@ pub(crate) enum Style {
     Good,
     /// Needs attention.
     Warning,
-    /// Wrong.
+    /// Failure.
     Bad,
 }
 
@@ -42,7 +42,6 @@ pub(crate) struct Paint {
     pub(crate) unicode: bool,
 }
 
-/// One line.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct TextLine {
     pieces: Vec<(Style, String)>,
@@ -54,32 +53,32 @@ impl TextLine {
         Self::default().and(style, text)
     }
 
-    /// The same line with one piece more.
+    /// Adds a piece at the end.
     #[must_use]
     pub(crate) fn and(mut self, style: Style, text: impl Into<String>) -> Self {
         self.pieces.push((style, text.into()));
         self
     }
 
-    /// The same line with another behind it.
+    /// Adds another line at the end.
     #[must_use]
     pub(crate) fn followed_by(mut self, mut other: Self) -> Self {
         self.pieces.append(&mut other.pieces);
         self
     }
 
-    /// Columns of a terminal that it takes.
+    /// Width in columns of a terminal.
     pub(crate) fn width(&self) -> usize {
         self.pieces.iter().map(|(_, text)| text.width()).sum()
     }
 
-    /// The line with `right` at the right border of `width` columns; what does not fit is cut from the left part.
+    /// Adds `right` at the right border of `width` columns; the left part is truncated if necessary.
     #[must_use]
     pub(crate) fn with_right(self, right: Self, width: usize) -> Self {
         self.with_right_after(' ', right, width)
     }
 
-    /// The same with the space between both filled by `fill`, a character of one column.
+    /// Adds `right` like this, with the space between both filled by `fill`, a character of one column.
     #[must_use]
     pub(crate) fn with_right_after(self, fill: char, right: Self, width: usize) -> Self {
         let room = width.saturating_sub(right.width());
@@ -94,7 +93,7 @@ impl TextLine {
         line.cut(width)
     }
 
-    /// At most `width` columns; a cut is shown by an ellipsis.
+    /// Truncates the line to `width` columns, with an ellipsis.
     #[must_use]
     pub(crate) fn cut(self, width: usize) -> Self {
         if self.width() <= width {
@@ -117,7 +116,7 @@ impl TextLine {
         Self { pieces }
     }
 
-    /// The line as it is written.
+    /// The line as text with escape sequences.
     pub(crate) fn render(&self, paint: Paint) -> String {
         let mut text = String::new();
         for (style, piece) in &self.pieces {
@@ -130,14 +129,15 @@ impl TextLine {
     }
 }
 
-/// The longest start of `text` that fits `width` columns. Measured as a whole: a character may widen the one before it.
+/// The longest prefix of `text` that fits in `width` columns. It is measured as a whole, because a character may widen the
+/// one before it.
 fn prefix(text: &str, width: usize) -> &str {
     let ends = text.char_indices().map(|(index, c)| index + c.len_utf8());
     let fitting = ends.take_while(|end| text[..*end].width() <= width);
     &text[..fitting.last().unwrap_or(0)]
 }
 
-/// Text that cannot do anything to a terminal: control characters become visible, tabs become spaces.
+/// Text that is safe for a terminal: control characters become visible, tabs become spaces.
 pub(crate) fn harmless(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

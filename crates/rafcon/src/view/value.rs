@@ -1,8 +1,8 @@
-//! Values of a run for people: the encoding of `docs/protocol.md` back into what Python would write, cut to a line.
+//! Values of a run for people: from the encoding of `docs/protocol.md` to Python syntax, truncated to one line.
 
 use serde_json::{Map, Value};
 
-/// Longer values are cut.
+/// Maximum length of a value; longer ones are truncated.
 const WIDTH: usize = 200;
 
 /// One line for a value.

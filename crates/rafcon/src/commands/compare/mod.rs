@@ -1,4 +1,4 @@
-//! `rafcon compare`: where two runs part, which data differed before, and where they took their time.
+//! `rafcon compare`: the divergence of two runs, the data that differed before, and their times.
 
 use super::kept::{find_run_in, open_folder, out, paint, runs_folder, span};
 use super::kept_at_server::Keeper;
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Maximum number of differences in the text output.
 const SHOWN: usize = 20;
 
-/// Compares two runs; the exit code is 1 if they part.
+/// Compares two runs; the exit code is 1 if they diverge.
 pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<ExitCode> {
     let (compared, ids) = match Keeper::named(&raw.remote, &raw.runs, environment)? {
         Some(keeper) => {
@@ -37,7 +37,7 @@ pub(super) fn compare(raw: &cli::Compare, environment: &Environment) -> Result<E
     Ok(ExitCode::from(u8::from(!compared.parted.is_empty())))
 }
 
-/// Two runs of this computer, and their ids.
+/// Compares two runs of this computer; also returns their ids.
 fn here(raw: &cli::Compare, environment: &Environment) -> Result<(Comparison, [String; 2])> {
     let runs = runs_folder(&raw.runs, environment)?;
     let mut one = open_folder(&find_run_in(&runs, &raw.one)?)?;

@@ -16,7 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use tempfile::NamedTempFile;
 
-/// Writes the run.
+/// Writes the run in the requested format.
 pub(super) fn export(raw: &cli::Export, environment: &Environment) -> Result<ExitCode> {
     let run = &raw.run;
     if let Some(keeper) = Keeper::named(&run.remote, &run.runs, environment)? {
@@ -46,7 +46,7 @@ pub(super) fn export(raw: &cli::Export, environment: &Environment) -> Result<Exi
     Ok(ExitCode::SUCCESS)
 }
 
-/// The same format in the words of a server.
+/// The format as the server names it.
 fn wire(format: ExportFormat) -> api::ExportFormat {
     match format {
         ExportFormat::Jsonl => api::ExportFormat::Jsonl,
@@ -98,7 +98,7 @@ fn no_terminal(format: ExportFormat) -> Result<()> {
     Ok(())
 }
 
-/// A temporary file is its owner's alone; this one is as any other that the user makes for others to read.
+/// Gives a temporary file, which only its owner can read, the usual permissions of new files.
 fn open_to_others(file: &File) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt as _;
     file.set_permissions(std::fs::Permissions::from_mode(0o644))

@@ -58,7 +58,7 @@ pub(super) fn log(raw: &cli::Log, environment: &Environment) -> Result<ExitCode>
     print(&raw.run, &filter, raw.last, if raw.json { &json } else { &text }, environment)
 }
 
-/// Prints what is found, each as the lines that `shown` gives.
+/// Prints each result as the lines of `shown`.
 fn print(
     run: &cli::KeptRun,
     filter: &Filter,

@@ -1,4 +1,4 @@
-//! Events in words: one line each. Knows what people call things, but not where events come from.
+//! Events as text, one line each. Knows the terms for people, but not the source of events.
 
 use crate::commands::kept::span;
 use crate::view::{Style, TextLine, harmless, outcome_style, shown};
@@ -9,7 +9,7 @@ use rafcon_protocol::{
 use rafcon_storage::journal::Found;
 use serde_json::Value;
 
-/// The lines of an event: its number, its time, the state, and what happened.
+/// The lines of an event: its number, time, state and description.
 pub(super) fn lines(found: &Found, values: bool) -> Vec<TextLine> {
     let head = format!("{:>7} {:9.3}  ", found.sequence, found.time().as_secs_f64());
     let below = " ".repeat(head.len());

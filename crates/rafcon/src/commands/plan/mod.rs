@@ -71,14 +71,14 @@ fn run_it(out: &Path, given: &[(String, std::path::PathBuf)]) -> String {
     format!("the machine is in {0}; run it: rafcon run {0}{roots}", out.display())
 }
 
-/// Lines are read by programs, which may leave.
+/// Prints one line. The reader may have closed the output.
 fn print_line(event: &PlanEvent) {
     if let Ok(text) = serde_json::to_string(event) {
         writeln!(io::stdout(), "{text}").unwrap_or_default();
     }
 }
 
-/// Engines lead process groups of their own, which no Ctrl-C reaches.
+/// Cancels on signals: engines have their own process groups, which Ctrl-C does not reach.
 fn cancelled_by_signals() -> Result<Cancel> {
     let cancel = Cancel::default();
     let by_signal = cancel.clone();

@@ -11,11 +11,11 @@ use serde::de::DeserializeOwned;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A request, and where its skills are.
+/// A request, with the folders of its skills.
 pub(super) struct Asked {
     pub(super) request: MakePlan,
     pub(super) libraries: Libraries,
-    /// The roots that a machine of the plan needs beside those of the configuration.
+    /// Library roots that a machine of the plan needs in addition to those of the configuration.
     pub(super) given: Vec<(String, PathBuf)>,
 }
 
@@ -72,7 +72,7 @@ fn json<T: DeserializeOwned>(file: &Path) -> Result<T> {
         .with_context(|| format!("{} is not what is expected", file.display()))
 }
 
-/// The library path of a pool. A folder that is below no root becomes one.
+/// The library path of a pool. A folder outside of all roots becomes a root.
 fn library_path(
     wanted: &str,
     all: &mut Vec<Root>,

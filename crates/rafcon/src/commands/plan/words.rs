@@ -12,7 +12,7 @@ pub(super) fn domain(domain: &PlanDomain) -> String {
     harmless_lines(&format!("{}{skills}{}\n", findings(&domain.findings), domain.pddl))
 }
 
-/// The best plan, and how planning ended.
+/// The best plan, and the end of planning.
 pub(super) fn answer(best: Option<&PlanFound>, last: &PlanEvent) -> String {
     let mut text = String::new();
     let (head, end) = match last {
@@ -71,7 +71,7 @@ fn plan(found: &PlanFound) -> String {
     text
 }
 
-/// Engines count in thousandths.
+/// Engines round to thousandths.
 fn short(time: f64) -> f64 {
     (time * 1000.0).round() / 1000.0
 }
@@ -95,7 +95,7 @@ fn reasons(step: &PlanStep) -> String {
     text
 }
 
-/// Texts of libraries and engines may hold what confuses a terminal.
+/// Removes control characters, because texts of libraries and engines may confuse a terminal.
 fn harmless_lines(text: &str) -> String {
     text.lines().map(|line| harmless(line) + "\n").collect()
 }

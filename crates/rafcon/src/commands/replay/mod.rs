@@ -1,4 +1,4 @@
-//! `rafcon replay`: how a run stood at one of its events.
+//! `rafcon replay`: the state of a run at one of its events.
 
 mod tree;
 
@@ -13,7 +13,7 @@ use rafcon_storage::journal::DAMAGED;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// Prints the moment that the user means.
+/// Prints the selected moment.
 pub(super) fn replay(raw: &cli::Replay, environment: &Environment) -> Result<ExitCode> {
     let run = &raw.run;
     if let Some(keeper) = Keeper::named(&run.remote, &run.runs, environment)? {

@@ -20,12 +20,12 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// For how long a start is asked for again whose answer got lost.
+/// Time limit of retries for a start whose response was lost.
 const START_RETRY_TIMEOUT: Duration = Duration::from_mins(1);
-/// Between two attempts.
+/// Delay between two attempts.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Has a server run a machine, until it ends.
+/// Runs a machine at a server, until it ends.
 pub(super) fn run(
     raw: &cli::Run,
     server: &Arc<Server>,
@@ -50,7 +50,7 @@ pub(super) fn run(
     begin(&at, timeout, 1, || server.start(&request))
 }
 
-/// Has a server take a run up again, until it ends.
+/// Resumes a run at a server, until it ends.
 pub(super) fn resume(
     raw: &cli::Resume,
     server: &Arc<Server>,
@@ -67,7 +67,7 @@ pub(super) fn resume(
         let why =
             "the robot resumes the run, and its station does not follow it: `rafcon attach` does";
         refuse(timeout.is_some(), "--timeout", why)?;
-        // The first event of the resumed run is a delay of the link away.
+        // The first event of the resumed run arrives after the delay of the link.
         begun(clock, || server.resume(&before.id, &request))?;
         complain(&format!("robot {robot} has resumed the run; follow it with `rafcon attach`"));
         return Ok(ExitCode::SUCCESS);
@@ -76,7 +76,7 @@ pub(super) fn resume(
     begin(&at, timeout, before.events + 1, || server.resume(&before.id, &request))
 }
 
-/// Has a server start the machine of a run again.
+/// Starts the machine of a run of a server again.
 pub(super) fn again(raw: &cli::Again, server: &Server, clock: Clock) -> Result<ExitCode> {
     let before = remote::run(server, &raw.run)?;
     let id = request_id(raw.request.as_ref(), "again")?;
@@ -96,7 +96,7 @@ fn started(run: &StartedRun, output: cli::Output) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The id of a request: a new one, or that of a request whose answer did not come.
+/// Id of a request: a new one, or that of an earlier request without a response.
 fn request_id(given: Option<&String>, what: &str) -> Result<String> {
     given.map_or_else(|| remote::unique(what), |id| Ok(id.clone()))
 }
@@ -110,7 +110,7 @@ fn asked<T>(clock: Clock, id: &str, ask: impl Fn() -> Result<T, Fault>) -> Resul
     Ok(answer?)
 }
 
-/// Refuses what is the server's to decide.
+/// Refuses options that the server decides.
 fn fits(raw: &cli::Run, environment: &Environment) -> Result<()> {
     let libraries = &raw.libraries;
     refuse_runs(&raw.runs, environment)?;
@@ -186,14 +186,14 @@ fn begun<T>(clock: Clock, ask: impl Fn() -> Result<T, Fault>) -> Result<T, Fault
     }
 }
 
-/// Asks for a run and follows it from this event on until it ends.
+/// Requests a run and follows it from this event on until it ends.
 fn begin(
     at: &AtServer<'_>,
     timeout: Option<Duration>,
     from: u64,
     ask: impl Fn() -> Result<RunSummary, Fault>,
 ) -> Result<ExitCode> {
-    // Listened to before there is a run, so that none is left alone by Ctrl-C.
+    // Connect before the run exists, so that Ctrl-C never leaves a run behind.
     let queue = at.queue()?;
     let deadline = timeout.map(|timeout| at.clock.now().saturating_add(timeout));
     let run = match begun(at.clock, ask) {
@@ -209,7 +209,7 @@ fn begin(
     Ok(ExitCode::from(end.code()))
 }
 
-/// A run that did not begin is shown as on this computer.
+/// Reports a failed start as for a local run.
 fn not_begun(at: &AtServer<'_>, fault: Fault) -> Result<ExitCode> {
     let end = match fault {
         Fault::Refused { refusal, .. } if refusal.code == "load_failed" => {

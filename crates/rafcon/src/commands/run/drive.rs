@@ -1,5 +1,5 @@
-//! A run on this computer: where it keeps its files, and its runners, one after the other. Each is started, followed to its end, and followed by the next if its death allows
-//! that. Decides nothing itself.
+//! A run on this computer: its folder, and its runners in sequence. Each runner is started and followed to its end; another
+//! one follows if the policy allows it. Decides nothing itself.
 
 use super::limits::ends_itself;
 use super::own_line::OwnLine;
@@ -61,7 +61,7 @@ impl Place {
 }
 
 impl Drop for Place {
-    /// A run that never began leaves no folder.
+    /// Removes the folder of a run that never began.
     fn drop(&mut self) {
         if self.is_kept() && !self.keeps_itself() {
             // A leftover folder is harmless.
@@ -74,14 +74,14 @@ impl Drop for Place {
 pub(super) struct RunSetup<'a> {
     pub(super) python: &'a cli::Python,
     pub(super) output: cli::Output,
-    /// When the machine is stopped: time since this program began.
+    /// Time limit of the machine, from the start of this program.
     pub(super) timeout: Option<Duration>,
     pub(super) environment: &'a Environment,
     pub(super) clock: Clock,
 }
 
 impl RunSetup<'_> {
-    /// Runs the machine to its end, by as many runners as that takes and its policy allows.
+    /// Runs the machine to its end, with as many runners as needed and allowed by its policy.
     pub(super) fn follow(
         self,
         mut launch: Launch,
@@ -148,7 +148,7 @@ fn again(
     }
 }
 
-/// A runner that died after the run had ended took nothing along but its last word.
+/// Reads the end from the journal, if a runner died after the run had ended.
 fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
     if let End::Died(_) = end
         && place.is_kept()
@@ -161,7 +161,7 @@ fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
     Ok(())
 }
 
-/// Shows all values at the end of a run, if its last event has views of them.
+/// Shows all values at the end of a run, if its last event has only their views.
 fn show_end_values(run: &mut RunLoop, end: &End, place: &Place) -> Result<()> {
     if !matches!(end, End::Finished { .. }) {
         return Ok(());
@@ -172,7 +172,8 @@ fn show_end_values(run: &mut RunLoop, end: &End, place: &Place) -> Result<()> {
     }
 }
 
-/// The runner's own marks of what runs are better than its last messages: they were made before each script began.
+/// Adds the active scripts from the runner's own marks. They are more reliable than its last messages, because each is
+/// written before its script begins.
 fn add_running(end: &mut End, folder: &Path) {
     if let End::Killed { active, .. } | End::Died(RunnerDeath { active, .. }) = end {
         let running = remains::running(folder);

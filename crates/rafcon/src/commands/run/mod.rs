@@ -1,4 +1,4 @@
-//! `rafcon run` and `rafcon resume`: from the words of the command line to the exit code.
+//! `rafcon run` and `rafcon resume`: from the options to the exit code.
 
 mod at_server;
 mod drive;
@@ -71,7 +71,7 @@ pub(super) fn again(raw: &cli::Again, environment: &Environment, clock: Clock) -
     at_server::again(raw, &server, clock)
 }
 
-/// The names of the machine that a run goes by, as the run keeps it, else as it lies where it was.
+/// The names of the machine of a run, from the run's copy, or else from the original location.
 pub(super) fn names_of_run(folder: &Path) -> Names {
     let run = folder.to_owned();
     let load = move || {
@@ -81,13 +81,13 @@ pub(super) fn names_of_run(folder: &Path) -> Names {
     following(Names::new(load), folder)
 }
 
-/// The same names, also after the machine of the run has changed.
+/// The names, updated after changes of the run's machine.
 fn following(names: Names, folder: &Path) -> Names {
     let run = folder.to_owned();
     names.following(move |hash| kept_machine(&run, Some(hash)))
 }
 
-/// Names that are loaded when they are needed.
+/// Names that are loaded on demand.
 type LaterNames = Rc<dyn Fn() -> Names>;
 
 /// Runs to the end, and reports an end other than the machine's own.
@@ -111,7 +111,7 @@ pub(super) fn has_keys(output: cli::Output, environment: &Environment) -> bool {
     output == cli::Output::Text && is_terminal(environment) && io::stdin().is_terminal()
 }
 
-/// The keyboard, if it is for the view: of a run that can be left (`may_leave`) or ends with this program.
+/// The keyboard, if it controls the view of a run that can be left (`may_leave`) or ends with this program.
 pub(super) fn keyboard(
     output: cli::Output,
     environment: &Environment,
@@ -137,7 +137,7 @@ pub(super) fn view(
     }
 }
 
-/// A breakpoint in the words of the command line.
+/// A breakpoint in the syntax of the command line.
 fn breakpoint(id: u64, text: &str, names: &mut Names) -> Result<rafcon_protocol::Breakpoint> {
     let refused = |reason: String| Usage(format!("--break {text}: {reason}"));
     let mut breakpoint = crate::console::breakpoint(id, text).map_err(refused)?;

@@ -1,4 +1,5 @@
-//! The connection to a runner that this program started. A thread writes: the loop never waits for a runner that does not read.
+//! The connection to a runner that this program started. A thread writes, so that the loop never waits for a runner that
+//! does not read.
 
 use crate::event_queue::{Line, offer};
 use crate::failure::complain;
@@ -12,12 +13,12 @@ use std::thread;
 /// Capacity of the queue in front of the writer. Further messages are dropped.
 const QUEUE: usize = 64;
 
-/// Messages on their way to the runner, in order, behind its launch.
+/// Queue of messages to the runner, in order, after its launch.
 #[derive(Debug)]
 pub(super) struct OwnLine(SyncSender<ToRunner>);
 
 impl OwnLine {
-    /// Sends the launch, and then the messages of the queue.
+    /// Sends the launch, then the messages of the queue.
     pub(super) fn open(mut control: UnixStream, group: Group, launch: Launch) -> Result<Self> {
         let (sender, messages) = sync_channel::<ToRunner>(QUEUE);
         let write = move || {
@@ -33,7 +34,7 @@ impl OwnLine {
 }
 
 impl Line for OwnLine {
-    /// A runner that reads nothing is noticed by its silence or the time limit.
+    /// Queues a message. A runner that does not read is detected by its silence or the time limit.
     fn say(&mut self, message: &ToRunner) -> Result<bool> {
         Ok(offer(&self.0, message))
     }
@@ -66,7 +67,7 @@ mod tests {
         assert!(!say());
         drop(messages.recv());
         assert!(say());
-        // The end of the process is noticed elsewhere.
+        // The end of the process is detected elsewhere.
         drop(messages);
         assert!(say());
     }

@@ -7,8 +7,8 @@ use rafcon_supervisor::{RunnerDeath, remains};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Tells the user; a run that finished has been shown already. `run` is how commands name it, if it can be resumed, and
-/// `folder` where it lies, if that is on this computer.
+/// Reports the end to the user; a finished run has already been shown. `run` is its name in commands, if it can be resumed.
+/// `folder` is its folder, if it is on this computer.
 pub(super) fn end(
     end: &End,
     run: Option<&str>,
@@ -41,7 +41,7 @@ fn way_out(run: &str) -> String {
     )
 }
 
-/// An end in words.
+/// Text of an end.
 fn text(end: &End, names: &mut Names) -> String {
     match end {
         End::Finished { timed_out: false, .. } | End::Left => String::new(),

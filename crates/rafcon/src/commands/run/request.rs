@@ -12,14 +12,14 @@ use rafcon_protocol::{Breakpoint, Keeping, Launch, OnCrash};
 use serde_json::Value;
 use std::time::Duration;
 
-/// A run to be made.
+/// A request for a run.
 #[derive(Debug)]
 pub(super) struct Request {
     source: Source,
     start_from: Option<String>,
     inputs: Vec<(String, Value)>,
     globals: Vec<(String, Value)>,
-    /// When the machine is stopped.
+    /// Time limit of the machine.
     pub(super) timeout: Option<Duration>,
     keeping: Keeping,
     strict: bool,
@@ -30,7 +30,7 @@ pub(super) struct Request {
 }
 
 impl Request {
-    /// Checks the words of the command line.
+    /// Checks the options of the command line.
     pub(super) fn new(raw: &cli::Run) -> Result<Self> {
         Ok(Self {
             source: Source::new(&raw.path, &raw.libraries)?,
@@ -47,7 +47,7 @@ impl Request {
         })
     }
 
-    /// The message that begins the run.
+    /// The message that starts the run.
     pub(super) fn launch(&self, place: &Place) -> Result<Launch> {
         Ok(Launch {
             machine: self.source.machine.clone(),
@@ -86,7 +86,7 @@ impl Request {
         self.later_names()()
     }
 
-    /// The same, each time that they are needed.
+    /// Loads the names on each call.
     pub(super) fn later_names(&self) -> impl Fn() -> Names + 'static {
         let source = self.source.clone();
         move || {
@@ -101,14 +101,14 @@ pub(super) const INPUT: Named = Named { option: "--input", what: "an input port"
 /// Values of global variables.
 pub(super) const GLOBAL: Named = Named { option: "--global", what: "a global variable" };
 
-/// An option that gives something a value.
+/// An option that assigns values to names.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Named {
     option: &'static str,
     what: &'static str,
 }
 
-/// Values of the command line, by name.
+/// Values from the options, by name.
 pub(super) fn named(texts: &[String], of: Named) -> Result<Vec<(String, Value)>> {
     let mut values: Vec<(String, Value)> = Vec::new();
     for text in texts {
@@ -143,7 +143,7 @@ impl Named {
 /// JSON whose integers stay exact, whatever their size.
 fn exact(json: &str) -> Result<Value, serde_json::Error> {
     let value = serde_json::from_str(json)?;
-    // The model's parser knows integers of any size.
+    // The model's parser supports integers of any size.
     Ok(match rafcon_model::json::parse(json) {
         Ok(document) => with_exact_integers(value, &document),
         Err(_deeper_than_files) => value,
@@ -169,17 +169,17 @@ fn with_exact_integers(value: Value, exact: &Json) -> Value {
     }
 }
 
-/// Breakpoints of the command line, numbered from 1.
+/// Breakpoints from the options, numbered from 1.
 pub(super) fn breakpoints(texts: &[String], names: &mut Names) -> Result<Vec<Breakpoint>> {
     (1..).zip(texts).map(|(id, text)| breakpoint(id, text, names)).collect()
 }
 
-/// The largest journal, in bytes.
+/// Maximum size of the journal, in bytes.
 pub(super) fn size_max(raw: &cli::Keeping) -> Option<u64> {
     raw.keep_max.map(|megabytes| megabytes.saturating_mul(1 << 20))
 }
 
-/// The protocol's word for how much is kept.
+/// The protocol's value for a level of detail.
 pub(super) fn keeping(level: cli::Level) -> Keeping {
     match level {
         cli::Level::Full => Keeping::Full,
@@ -188,7 +188,7 @@ pub(super) fn keeping(level: cli::Level) -> Keeping {
     }
 }
 
-/// The protocol's word for a policy.
+/// The protocol's value for a policy.
 pub(super) fn on_crash(policy: cli::OnCrash) -> OnCrash {
     match policy {
         cli::OnCrash::Ask => OnCrash::Ask,
@@ -197,7 +197,7 @@ pub(super) fn on_crash(policy: cli::OnCrash) -> OnCrash {
     }
 }
 
-/// Seconds of the command line.
+/// Converts seconds to a duration.
 pub(super) fn timeout(seconds: f64) -> Result<Duration> {
     match Duration::try_from_secs_f64(seconds) {
         Ok(timeout) if !timeout.is_zero() => Ok(timeout),

@@ -1,4 +1,5 @@
-//! The last resort of `--timeout`: a thread that ends this program if its loop does not, such as when nobody reads its output.
+//! Last resort of `--timeout`: a thread that ends this program if its loop is blocked, for example by a reader that does
+//! not read.
 
 use crate::clock::Clock;
 use crate::failure::complain;
@@ -10,9 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Margin of the loop.
+/// Additional time for the loop.
 const MARGIN: Duration = Duration::from_secs(2);
-/// The exit code of a run that was killed.
+/// Exit code of a killed run.
 const KILLED: i32 = 8;
 
 /// Watches one runner, until dropped.

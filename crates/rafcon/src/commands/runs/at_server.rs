@@ -1,4 +1,4 @@
-//! The runs that a server knows.
+//! The runs of a server.
 
 use super::{diverged, ended, facts, head};
 use crate::cli;
@@ -14,7 +14,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Lists them, the newest last. The code is 1 if one cannot be read.
+/// Lists them, the newest last. The exit code is 1 if one cannot be read.
 pub(super) fn runs(
     raw: &cli::ListRuns,
     server: &Server,

@@ -1,4 +1,4 @@
-//! `rafcon runs`: which runs there are, and how old ones go.
+//! `rafcon runs`: lists runs and deletes old ones.
 
 mod at_server;
 
@@ -44,7 +44,7 @@ pub(super) fn runs(raw: &cli::ListRuns, environment: &Environment) -> Result<Exi
     Ok(listed(&found))
 }
 
-/// 1 if a run cannot be read.
+/// Exit code: 1 if a run cannot be read.
 fn listed(runs: &[Summary]) -> ExitCode {
     let is_unreadable = |run: &Summary| matches!(run.state, RunState::Unreadable { .. });
     ExitCode::from(u8::from(runs.iter().any(is_unreadable)))
@@ -70,12 +70,12 @@ fn prune(raw: &cli::ListRuns, runs: &Runs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// One run: id, machine, what has become of it, how long it took, what it takes.
+/// One run: id, machine, state, length and size.
 fn line(run: &Summary, width: usize) -> TextLine {
     let line = head(&run.id, &run.name, width);
     let facts = facts(run.length_ms, run.events, run.bytes);
     match &run.state {
-        // The process of a replica is its station's.
+        // The process of a replica belongs to its station.
         RunState::Live { process: _ } if run.robot.is_some() => replica(line, run),
         RunState::NotReceived => {
             replica(line, run).and(Style::Bad, ", not received by a station now")
@@ -92,7 +92,7 @@ fn line(run: &Summary, width: usize) -> TextLine {
     }
 }
 
-/// A run of a robot that had not ended when its newest event arrived.
+/// A replica whose run had not ended at its newest event.
 fn replica(line: TextLine, run: &Summary) -> TextLine {
     let robot = harmless(run.robot.as_deref().unwrap_or_default());
     let now_ms = clock::since_1970_ms();

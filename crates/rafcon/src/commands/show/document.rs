@@ -67,7 +67,7 @@ struct Port<'m> {
     default: Value,
 }
 
-/// The fields of the file, for a faulty transition too, and whether it leads out of the container.
+/// A transition with the fields of its file (also a faulty one), and a flag for transitions out of the container.
 #[derive(Serialize)]
 struct Transition<'m> {
     id: i64,

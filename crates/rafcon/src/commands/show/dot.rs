@@ -14,7 +14,7 @@ pub(super) fn print(machine: &Machine) -> String {
     out
 }
 
-/// Draws a state; `used` are those of its outcomes where a transition begins.
+/// Draws a state; `used` are its outcomes with transitions.
 fn state(out: &mut String, state: &State, path: &StatePath, used: &[OutcomeId]) {
     let (id, name) = (quoted(&path.to_string()), quoted(&state.name));
     let indent = "  ".repeat(path.0.len());

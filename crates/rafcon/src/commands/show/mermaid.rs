@@ -18,7 +18,7 @@ struct Diagram {
 }
 
 impl Diagram {
-    /// Draws a state and gives the name that it has in the diagram.
+    /// Draws a state and returns its name in the diagram.
     fn state(&mut self, state: &State, depth: usize) -> String {
         self.numbers += 1;
         let id = format!("s{}", self.numbers);
@@ -72,7 +72,7 @@ impl Diagram {
     }
 }
 
-/// Text without what Mermaid takes for its own.
+/// Text without characters that are special in Mermaid.
 fn label(text: &str) -> String {
     text.chars()
         .map(

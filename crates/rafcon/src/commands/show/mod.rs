@@ -1,4 +1,4 @@
-//! `rafcon show`: a machine for eyes and for other programs.
+//! `rafcon show`: prints a machine for people and for other programs.
 
 mod document;
 mod dot;

@@ -1,10 +1,10 @@
-//! The order in which people read the states of a container: as they run.
+//! The order of states in a container for readers: as they run.
 
 use rafcon_model::{Container, DECIDER_ID, OutcomeId, State, StateId, Target};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// The children as execution meets them from the start, then those that it never meets, a decider last.
+/// The children in execution order from the start, then unreachable ones, a decider last.
 pub(super) fn children<'c>(inside: &'c Container, id: &StateId) -> Vec<&'c Arc<State>> {
     let mut seen = BTreeSet::new();
     let mut ordered = Vec::new();

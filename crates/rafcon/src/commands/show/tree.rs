@@ -1,4 +1,4 @@
-//! A machine as an indented tree: what is in what, and where each outcome leads.
+//! A machine as an indented tree: states with their children, and the targets of their outcomes.
 
 use super::order;
 use crate::view::{Paint, Style, TextLine, harmless};
@@ -7,7 +7,7 @@ use rafcon_model::{
     literal,
 };
 
-/// The whole machine, libraries closed.
+/// The whole machine, without the contents of libraries.
 pub(super) fn draw(machine: &Machine, paint: Paint) -> String {
     let mut tree = Tree { paint, out: String::new() };
     let root = &machine.root;

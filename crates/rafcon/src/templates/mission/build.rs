@@ -1,6 +1,6 @@
-//! From a draft to a state: names become ids, parts get their places.
+//! Conversion of a draft to a state: names become ids, and parts get positions.
 //!
-//! Knows the model. Does not know what a mission is.
+//! Knows the model, but not the mission.
 
 use super::draft::{Draft, FlowDraft, Inside, Parts, Slot, To, TransitionDraft};
 use super::layout::{self, Pair};
@@ -18,7 +18,7 @@ pub(super) struct Ids {
 
 /// Number of ids with six letters.
 const IDS: u64 = 26u64.pow(6);
-/// Has no factor in common with [`IDS`], so that its multiples visit all of them.
+/// Coprime to [`IDS`], so that its multiples reach all ids.
 const STRIDE: u64 = 190_845_181;
 
 impl Ids {
@@ -41,7 +41,7 @@ pub(super) fn root(draft: Draft, ids: &mut Ids) -> Result<State> {
     Ok(root.state)
 }
 
-/// A state and the size that it takes on the screen.
+/// A state and its size on the screen.
 struct Sized {
     state: State,
     size: Pair,
@@ -94,7 +94,7 @@ fn kind(inside: Inside, state: &State, ids: &mut Ids) -> Result<(Kind, Pair)> {
 /// Execution order of the children of a container.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Order {
-    /// One after the other, the first child first.
+    /// In sequence, from the first child.
     Sequence,
     /// In parallel.
     Together,
@@ -200,7 +200,7 @@ impl NamedStates<'_> {
     }
 
     fn sink(&self, flow: &FlowDraft) -> Result<(StateId, PortId)> {
-        // A variable is shown by an output of its own name, which is then what is meant.
+        // A variable is available as the output of its name, so the output is used.
         let variables = (flow.from.is_some()).then_some(self.variables);
         let (state, kinds) = match &flow.to {
             Some(name) => (self.child(name)?, [None, Some(&self.child(name)?.inputs)]),

@@ -1,17 +1,17 @@
-//! A state being drafted: children, outcomes and ports go by name.
+//! A draft of a state, with names for children, outcomes and ports.
 //!
-//! Knows the words in which a draft is written. Knows nothing of ids or the screen; that is `build`'s work.
+//! Knows the syntax of drafts, but neither ids nor positions; `build` adds these.
 
 use rafcon_model::Value;
 
-/// A state in words.
+/// A draft of a state.
 #[derive(Debug, Clone)]
 pub(super) struct Draft {
     pub(super) name: String,
     pub(super) about: &'static str,
     pub(super) inputs: Vec<Slot>,
     pub(super) outputs: Vec<Slot>,
-    /// The user's own outcomes; aborted and preempted come by themselves.
+    /// The user's own outcomes; aborted and preempted are added automatically.
     pub(super) outcomes: Vec<String>,
     pub(super) inside: Inside,
 }
@@ -29,7 +29,7 @@ pub(super) enum Inside {
     Preemptive(Parts),
 }
 
-/// Children and the lines between them. The first child of a hierarchy is where it starts.
+/// Children and the lines between them. A hierarchy starts with its first child.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Parts {
     pub(super) variables: Vec<Slot>,
@@ -38,7 +38,7 @@ pub(super) struct Parts {
     pub(super) data: Vec<FlowDraft>,
 }
 
-/// A transition: from an outcome of a child.
+/// A transition from an outcome of a child.
 #[derive(Debug, Clone)]
 pub(super) struct TransitionDraft {
     pub(super) from: String,
@@ -92,7 +92,7 @@ impl Draft {
         Self { name: name.into(), about: "", inputs: vec![], outputs: vec![], outcomes, inside }
     }
 
-    /// Says what it is for.
+    /// Sets the description.
     pub(super) fn about(mut self, text: &'static str) -> Self {
         self.about = text;
         self

@@ -1,4 +1,4 @@
-//! The skill that everything else needs: to drive to a place. Knows nothing of why.
+//! The basic skill of the mission: to drive to a position. Knows nothing of its purpose.
 
 use super::draft::{Draft, Parts};
 use super::scripts;

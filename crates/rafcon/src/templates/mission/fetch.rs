@@ -1,4 +1,4 @@
-//! Fetching one thing: drive there, search the spot, grasp, bring it home. Knows what can go wrong with it.
+//! Fetching one object: drive there, search, grasp, bring it home. Knows the possible failures.
 
 use super::draft::{Draft, Parts};
 use super::drive::drive;

@@ -11,7 +11,7 @@ pub(super) type Pair = (f64, f64);
 
 /// Size of a state without children.
 pub(super) const LEAF: Pair = (120.0, 72.0);
-/// Free space between columns, and between the children of a column, if none of them has children.
+/// Free space between columns and between the children of a column, if these are all leaves.
 const GAP: Pair = (80.0, 56.0);
 /// Free space between the border of a container and its children.
 const MARGIN: f64 = 50.0;
@@ -42,8 +42,8 @@ pub(super) fn by_steps(children: usize, lines: &[(usize, usize)]) -> Vec<Vec<usi
     columns
 }
 
-/// Places for children of these sizes, and the size of the container around them: with columns as high and lines as long as
-/// give it the best shape.
+/// Positions of children of these sizes, and the size of the container around them. Heights of columns and lengths of lines
+/// are chosen for the preferred shape.
 pub(super) fn arrange(columns: &[Vec<usize>], sizes: &[Pair]) -> (Vec<Pair>, Pair) {
     let room = roominess(sizes);
     let mut best = in_lines(columns.len().max(1), columns, sizes, room);

@@ -1,6 +1,5 @@
-//! A mission of the size of a real one, after the machine with which DLR's rover went to the SpaceBotCamp 2015: explore
-//! unknown ground, find a battery and a mug, fetch them, put them together at the base, and cope with all that goes
-//! wrong meanwhile. The robot is simulated by the scripts themselves.
+//! A mission of realistic size, modelled on the machine of DLR's rover at the SpaceBotCamp 2015: explore unknown ground,
+//! find a battery and a mug, fetch them, assemble them at the base, and handle failures. The scripts simulate the robot.
 //!
 //! Knows the plan of the mission. Its size depends on the number of waypoints; all other parts occur once.
 
@@ -31,7 +30,7 @@ pub(super) const TEMPLATE: Template = Template {
 };
 
 const STATES: usize = 750;
-/// Seconds that a simulated second takes in a mission of [`STATES`] states: it runs for about half a minute.
+/// Duration in seconds of a simulated second in a mission of [`STATES`] states: it runs for about half a minute.
 const TIME_SCALE: f64 = 0.06;
 
 /// Hidden objects, in the order in which they are fetched.

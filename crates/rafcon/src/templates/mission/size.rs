@@ -4,7 +4,7 @@ use super::{count, int, waypoint};
 use anyhow::{Result, bail};
 use rafcon_model::Value;
 
-/// The parts that come in numbers.
+/// Numbers of the repeated parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Size {
     /// Sectors of the ground.
@@ -19,7 +19,7 @@ pub(super) struct Size {
 const SECTOR: usize = 3;
 
 impl Size {
-    /// The mission of which there is no smaller one: one thing to fetch at each of two waypoints.
+    /// The smallest mission: one object to fetch at each of two waypoints.
     pub(super) const SMALLEST: Self = Self { sectors: 1, waypoints: 2, checks: 4 };
 
     /// The size of a mission of exactly `states` states, if the smallest has `smallest`.
@@ -28,7 +28,7 @@ impl Size {
         let Some(spare) = states.checked_sub(smallest) else {
             bail!("a mission has at least {smallest} states: give a larger number with `--states`");
         };
-        // Sectors are about as many as waypoints in a sector.
+        // The number of sectors is close to the number of waypoints in a sector.
         let sectors = (spare / waypoint).isqrt().clamp(1, spare / SECTOR + 1);
         let spare = spare - (sectors - 1) * SECTOR;
         let waypoints = Self::SMALLEST.waypoints + spare / waypoint;

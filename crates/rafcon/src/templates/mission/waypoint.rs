@@ -5,9 +5,9 @@ use super::drive::{drive, goal};
 use super::{int, scripts};
 use rafcon_model::Value;
 
-/// Metres between neighbouring places.
+/// Distance of neighbouring waypoints, in metres.
 const GRID_M: f64 = 3.0;
-/// Places in a row of the grid.
+/// Waypoints in a row of the grid.
 const ROW: usize = 8;
 
 /// The waypoint with this number, from 1.
@@ -59,7 +59,7 @@ pub(super) fn name(number: usize) -> String {
     format!("Waypoint {number}")
 }
 
-/// Rows to and fro, so that the next place is always near.
+/// Alternating rows, so that the next waypoint is always near.
 #[expect(clippy::cast_precision_loss, reason = "there are not that many places")]
 fn place(number: usize) -> (f64, f64) {
     let (row, column) = ((number - 1) / ROW, (number - 1) % ROW);

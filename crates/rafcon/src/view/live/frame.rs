@@ -8,7 +8,6 @@ use std::time::Duration;
 /// Inputs of the picture.
 #[derive(Debug)]
 pub(super) struct Picture<'a> {
-    /// The machine's name.
     pub(super) machine: &'a str,
     /// Last snapshot of the run.
     pub(super) snapshot: &'a Snapshot,
@@ -63,7 +62,7 @@ fn head(picture: &Picture<'_>, width: usize) -> TextLine {
     left.with_right_after(rule, if fits { right } else { time }, width)
 }
 
-/// The paths of the active states from the top of the picture down.
+/// Paths of the active states in the order of the picture.
 pub(super) fn order(active: &[ActiveState]) -> Vec<&str> {
     rows(active).into_iter().map(|row| row.state.path.as_str()).collect()
 }
@@ -72,11 +71,11 @@ pub(super) fn order(active: &[ActiveState]) -> Vec<&str> {
 #[derive(Debug)]
 struct Row<'a> {
     state: &'a ActiveState,
-    /// For each level below the root: whether a sibling follows further below.
+    /// For each level below the root: true if a sibling follows below.
     followed: Vec<bool>,
 }
 
-/// The active states in the order of the tree, a library and its content as one. The root has the line above all.
+/// The active states in the order of the tree; a library and its content share a row. The root is the headline.
 fn rows(active: &[ActiveState]) -> Vec<Row<'_>> {
     let mut sorted: Vec<&ActiveState> =
         active.iter().filter(|state| state.path.contains('/')).collect();
@@ -105,7 +104,7 @@ fn is_inside(path: &str, above: &str) -> bool {
     path.strip_prefix(above).is_some_and(|rest| rest.starts_with('/'))
 }
 
-/// Finds out, from the last row up, where a line must continue to a later sibling.
+/// Marks, from the last row up, the lines that must continue to a later sibling.
 fn mark_followed(rows: &mut [Row<'_>]) {
     let mut below: Vec<bool> = Vec::new();
     for row in rows.iter_mut().rev() {
@@ -139,7 +138,7 @@ fn state(picture: &Picture<'_>, row: &Row<'_>, width: usize) -> TextLine {
     left.with_right(if fits { right } else { time }, width)
 }
 
-/// Before what a state is held.
+/// The state before which a state is held.
 fn held_text(state: &ActiveState, names: &BTreeMap<String, String>) -> String {
     let name = |path: &String| {
         let name = names.get(path).map_or(path.as_str(), String::as_str);

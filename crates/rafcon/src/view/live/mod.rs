@@ -15,12 +15,12 @@ use std::io;
 use std::time::Duration;
 use terminal::Screen;
 
-/// Lines that wait at most until they are drawn.
+/// Maximum number of lines that wait for drawing.
 const PENDING: usize = 2000;
-/// Time from one picture to the next.
+/// Minimum time between two pictures.
 const REDRAW: Duration = Duration::from_millis(100);
 
-/// The picture and what scrolls above it.
+/// The picture and the scrolling lines above it.
 #[derive(Debug)]
 pub(crate) struct Live {
     screen: Screen,
@@ -38,7 +38,7 @@ pub(crate) struct Live {
 }
 
 impl Live {
-    /// On the terminal that is the standard output.
+    /// A view on the terminal of the standard output.
     pub(crate) fn new(paint: Paint, names: Names, console: Option<Console>) -> Self {
         Self {
             screen: Screen::new(paint),
@@ -54,7 +54,7 @@ impl Live {
         }
     }
 
-    /// The command with paths of ids where the user wrote names.
+    /// Replaces the names of a command by paths of ids.
     fn by_path(&mut self, mut command: Command) -> UserAction {
         let path = match &mut command {
             Command::RunTo { path } => path,
@@ -81,7 +81,7 @@ impl Live {
         }
     }
 
-    /// The names of the states that others are held before.
+    /// Names of the next states of held branches.
     fn names_of_nexts(&mut self) -> BTreeMap<String, String> {
         let active = self.snapshot.iter().flat_map(|(_, snapshot)| &snapshot.active);
         let nexts = active.flat_map(|state| &state.held).filter_map(|hold| hold.next.clone());
@@ -91,7 +91,7 @@ impl Live {
 
     fn draw(&mut self, now: Duration) -> io::Result<()> {
         let (columns, rows) = Screen::size();
-        // One column stays free: a full line would leave the cursor beyond it on some terminals.
+        // One column stays free: on some terminals a full line moves the cursor beyond it.
         let (width, height) = (columns.saturating_sub(1), (rows * 2 / 3).max(1));
         let names = self.names_of_nexts();
         let lines = self.snapshot.as_ref().map_or_else(Vec::new, |(at, snapshot)| {

@@ -1,4 +1,4 @@
-//! The terminal as a place for a picture below a scrolling text. Knows escape sequences and modes, nothing of runs.
+//! A picture below scrolling text on a terminal. Knows escape sequences and modes, nothing of runs.
 //!
 //! The picture occupies the last lines written. To redraw it, the cursor moves up to its first line and erases all below,
 //! so that scrolled text stays in the terminal's own history. The terminal modes are restored on every exit.
@@ -15,14 +15,14 @@ use std::io::{self, Stdout, Write as _};
 pub(super) struct Screen {
     out: Stdout,
     paint: Paint,
-    /// Widths of the lines of the picture, as they were drawn.
+    /// Widths of the drawn lines of the picture.
     drawn: Vec<usize>,
     keyboard: Option<Keyboard>,
 }
 
 impl Screen {
-    /// The standard output. From the first drawing on the terminal is quiet: no cursor, no echo of keys, which come one by one;
-    /// Ctrl-C and Ctrl-Z continue working.
+    /// A screen on the standard output. The first drawing hides the cursor, and switches the terminal to single keys
+    /// without echo. Ctrl-C and Ctrl-Z still work.
     pub(super) fn new(paint: Paint) -> Self {
         Self { out: io::stdout(), paint, drawn: Vec::new(), keyboard: None }
     }
@@ -33,7 +33,7 @@ impl Screen {
         (usize::from(columns.max(1)), usize::from(rows.max(1)))
     }
 
-    /// Writes `above` where it stays, and the picture below it.
+    /// Writes `above` permanently, and the picture below it.
     pub(super) fn draw(&mut self, above: &[TextLine], picture: &[TextLine]) -> io::Result<()> {
         if self.keyboard.is_none() {
             self.keyboard = Some(Keyboard::quiet());
@@ -55,7 +55,7 @@ impl Screen {
         self.out.flush()
     }
 
-    /// Takes the picture away and puts the modes back; drawing again brings both back.
+    /// Removes the picture and restores the modes; the next drawing brings both back.
     pub(super) fn leave(&mut self) -> io::Result<()> {
         if self.keyboard.take().is_none() {
             return Ok(());
@@ -65,7 +65,8 @@ impl Screen {
         self.out.flush()
     }
 
-    /// The cursor goes to the picture's first line, all below is erased. A terminal that became narrower has folded lines.
+    /// Moves the cursor to the first line of the picture and erases all below. A terminal that became narrower has wrapped
+    /// lines.
     fn erase(&mut self) -> io::Result<()> {
         let (columns, rows) = Self::size();
         let folded = |width: &usize| width.div_ceil(columns).max(1);
@@ -85,7 +86,7 @@ impl Drop for Screen {
     }
 }
 
-/// The keyboard key by key and without echo, until dropped.
+/// Switches the keyboard to single keys without echo, until dropped.
 #[derive(Debug)]
 struct Keyboard {
     before: Option<Termios>,
