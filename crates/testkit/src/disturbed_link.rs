@@ -1,5 +1,5 @@
-//! A station and a robot with a link between them that is cut in either direction, and a robot whose server starts again. Checks the
-//! promises about commands: none is carried out late, twice or with other bytes, and the station reports the robot's own fates.
+//! A station and a robot with a link that is cut in either direction, and with restarts of the robot's server. Checks the
+//! guarantees of commands: none is executed late, twice or with other bytes, and the station reports the robot's own fates.
 
 use rafcon_link::{
     CommandId, CommandState, EventBuffer, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
@@ -10,12 +10,12 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
 use std::time::Duration;
 
-/// One-way delays for tests, in ms: a room, field tests of missions to other planets, and those planets.
+/// One-way delays for tests, in ms: a room, field tests of planetary missions, and planetary distances.
 pub const DELAYS_MS: [u64; 5] = [20, 2_000, 8_000, 60_000, 600_000];
 /// All profiles of links.
 pub const PROFILES: [Profile; 4] = [Profile::LAN, Profile::WIFI, Profile::DELAY_2S, Profile::DEEP];
 
-/// Each profile with each delay.
+/// All combinations of profile and delay.
 pub fn links() -> impl Iterator<Item = (Profile, Duration)> {
     let delays = DELAYS_MS.map(Duration::from_millis);
     PROFILES.into_iter().flat_map(move |profile| delays.map(|delay| (profile.clone(), delay)))
@@ -36,29 +36,29 @@ impl RunSource for NoRuns {
 /// An event on the link or at the robot. Times are percentages of [`LinkSetup::disturbed`].
 #[derive(Debug, Clone, Copy)]
 pub enum Disturbance {
-    /// Nothing reaches the robot between these times.
+    /// No datagram reaches the robot between these times.
     UpCut(u64, u64),
-    /// Nothing reaches the station between these times.
+    /// No datagram reaches the station between these times.
     DownCut(u64, u64),
-    /// The robot's server starts again at this time.
+    /// The robot's server restarts at this time.
     RobotStarts(u64),
     /// One of this number of datagrams is lost.
     Losses(u64),
 }
 
-/// A link, and what happens to it.
+/// A link and its disturbances.
 #[derive(Debug, Clone)]
 pub struct LinkSetup {
     /// Profile of the link on both sides.
     pub profile: Profile,
-    /// Time that each datagram takes.
+    /// Delay of each datagram.
     pub one_way: Duration,
-    /// All that happens, before the link is whole for good.
+    /// Disturbances, all before the link is stable for good.
     pub disturbances: Vec<Disturbance>,
 }
 
 impl LinkSetup {
-    /// Time until the link is whole for good: a few exchanges.
+    /// Time until the link is stable for good: a few exchanges.
     pub fn disturbed(&self) -> Duration {
         self.one_way * 20 + self.profile.status_every * 20
     }
@@ -85,12 +85,12 @@ impl LinkSetup {
 /// A station and a robot on both sides of the link, in virtual time.
 pub struct DisturbedLink {
     link: LinkSetup,
-    /// Time of the world, which is the station's.
+    /// Time of the simulation, which is the station's.
     pub now: Duration,
-    /// Datagrams in flight by their direction: when they arrive, and their bytes.
+    /// Datagrams in flight by direction: time of arrival, and bytes.
     up: VecDeque<(Duration, Vec<u8>)>,
     down: VecDeque<(Duration, Vec<u8>)>,
-    /// Datagrams that were sent.
+    /// Number of datagrams sent.
     sent: u64,
     /// The session of the station.
     pub station: StationSession,
@@ -98,13 +98,13 @@ pub struct DisturbedLink {
     robot_began: Duration,
     robot_starts: u32,
     robot_heard: Option<Horizon>,
-    /// Bytes of the commands that were given.
+    /// Bytes of the commands sent.
     given: BTreeMap<CommandId, Vec<u8>>,
-    /// The robot's journal: how often it carried out each command.
+    /// The robot's journal: number of executions of each command.
     pub carried_out: BTreeMap<CommandId, u32>,
     /// The last state of each command as the station received it.
     pub fates: BTreeMap<CommandId, CommandState>,
-    /// Commands that were overdue at some time.
+    /// Commands that were overdue at any time.
     pub overdue: BTreeSet<CommandId>,
 }
 
@@ -131,7 +131,7 @@ fn robot_session(profile: &Profile, start: u32, heard: Option<Horizon>) -> Robot
 }
 
 impl DisturbedLink {
-    /// A station and a robot that begin now.
+    /// A station and a robot that start now.
     pub fn new(link: LinkSetup) -> Self {
         let start = SenderStart::new(1, 0);
         let identity =
@@ -159,13 +159,13 @@ impl DisturbedLink {
         self.now.saturating_sub(self.robot_began)
     }
 
-    /// The robot's server starts again.
+    /// Restarts the robot's server.
     pub fn restart_robot(&mut self) {
         (self.robot_starts, self.robot_began) = (self.robot_starts + 1, self.now);
         self.robot = robot_session(&self.link.profile, self.robot_starts, self.robot_heard);
     }
 
-    /// The robot's runner does what it may, and its journal keeps that.
+    /// Executes a command on the robot, and records it in the journal.
     fn do_command(&mut self, command: &ReceivedCommand) {
         let local = self.robot_time();
         assert_eq!(self.given.get(&command.id), Some(&command.body), "another body");
@@ -179,14 +179,14 @@ impl DisturbedLink {
         }
     }
 
-    /// The station sends a command, if it can.
+    /// Sends a command from the station, if possible.
     pub fn command(&mut self, command: NewCommand) -> Result<(), NotSent> {
         self.given.insert(command.id, command.body.clone());
         self.station.command(self.now, command)
     }
 
-    /// Goes on to this time, from one moment to the next at which something is due. Panics if the robot carries a command out late,
-    /// or another one than was given.
+    /// Advances to this time in steps of due events. Panics if the robot executes a command late, or one that was never
+    /// sent.
     pub fn go_on(&mut self, until: Duration) {
         while self.now < until {
             let local = self.robot_time();
@@ -236,7 +236,7 @@ impl DisturbedLink {
         }
     }
 
-    /// Panics if the station received another fate than the robot's journal has, or a command was carried out twice.
+    /// Panics if the station received a fate that differs from the robot's journal, or a command was executed twice.
     pub fn check_fates(&self) {
         for (id, fate) in &self.fates {
             let is_done = self.carried_out.contains_key(id);

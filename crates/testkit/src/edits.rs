@@ -1,5 +1,5 @@
-//! Edits chosen by numbers from what a machine has, legal ones and others: for tests of the model and of the crates that
-//! pass edits on. Knows nothing of chance: the same numbers give the same edits.
+//! Edits of a machine chosen by numbers, legal and illegal: for tests of the model and of the crates that forward edits.
+//! Deterministic: equal numbers give equal edits.
 
 use rafcon_model::edit::{
     ChildrenEdit, DataFlowEdit, Edit, HeaderEdit, LayoutEdit, LayoutElement, OutcomeEdit, PortEdit,
@@ -13,19 +13,19 @@ use rafcon_model::{
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// Numbers that choose.
+/// Numbers that determine choices.
 #[derive(Debug, Clone)]
 pub struct Dice {
     numbers: std::vec::IntoIter<u16>,
 }
 
 impl Dice {
-    /// These numbers; after the last one it is always 0.
+    /// Choices from these numbers; after the last one every number is 0.
     pub fn new(numbers: Vec<u16>) -> Self {
         Self { numbers: numbers.into_iter() }
     }
 
-    /// Whether all numbers are used up.
+    /// True if all numbers are used up.
     pub fn is_empty(&self) -> bool {
         self.numbers.len() == 0
     }
@@ -40,7 +40,7 @@ impl Dice {
         items.get(index).cloned()
     }
 
-    /// One of several, of which there is one at least.
+    /// One of the items, of which there must be at least one.
     fn one<T: Clone, const N: usize>(&mut self, items: &[T; N]) -> T {
         items[self.roll(N)].clone()
     }
@@ -70,7 +70,7 @@ fn any_path(machine: &Machine, dice: &mut Dice) -> StatePath {
     dice.pick(&paths(machine)).unwrap_or_default()
 }
 
-/// An edit that may or may not be legal.
+/// A random edit, legal or illegal.
 pub fn edit(machine: &Machine, dice: &mut Dice) -> Edit {
     let path = any_path(machine, dice);
     let state = machine.state(&path).unwrap_or(&machine.root);

@@ -1,11 +1,11 @@
-//! Folders from text, and folders as text.
+//! Conversion of folders from and to text.
 
 #![expect(clippy::unwrap_used, reason = "a test that cannot prepare its files has failed")]
 
 use std::fs;
 use std::path::Path;
 
-/// Makes files: each begins with a line `== path`, then its text.
+/// Creates files. Each begins with a line `== path`; its text follows.
 pub fn make_files(dir: &Path, text: &str) {
     for file in text.split("== ").skip(1) {
         let (path, text) = file.split_once('\n').unwrap_or((file, ""));
@@ -15,7 +15,7 @@ pub fn make_files(dir: &Path, text: &str) {
     }
 }
 
-/// Every file below `dir`, sorted: its path and, for those that `shown` names, its text.
+/// All files below `dir`, sorted, by path. Those named in `shown` include their text.
 pub fn show_files(dir: &Path, shown: &[&str]) -> String {
     let mut files = Vec::new();
     collect(dir, dir, &mut files);
@@ -44,7 +44,7 @@ fn collect(top: &Path, dir: &Path, files: &mut Vec<String>) {
     }
 }
 
-/// All bytes below `dir`, to tell whether anything changed.
+/// All bytes below `dir`, for the detection of changes.
 pub fn fingerprint(dir: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     collect(dir, dir, &mut files);

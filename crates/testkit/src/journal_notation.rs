@@ -1,4 +1,4 @@
-//! Journals as text, one item a line: what tests are written in. Knows how items are said, not where they are kept.
+//! A text notation of journals for tests, one item a line. Knows the syntax of items, not their storage.
 //!
 //! ```text
 //! place ROOT "Mission" in speed out dist scoped n outcome done,lost
@@ -14,8 +14,9 @@
 //! told {"type": "stopping"}
 //! ```
 //!
-//! Places are numbered as they come, ports too, over all three kinds; the user's outcomes count from 0. `@` gives a time in
-//! ms; without it a record is 1 ms after the one before. Values that do not fit into an event are defined on the way.
+//! Places are numbered in order of appearance. So are ports, over all three kinds; the user's outcomes count from 0. `@`
+//! sets the time in ms; without it a record is 1 ms after the one before. Values that do not fit into an event are defined
+//! automatically.
 
 use rafcon_protocol::{LogLevel, Stream};
 use rafcon_storage::journal::record::{Content, TEXT_MAX};
@@ -28,7 +29,7 @@ use std::collections::BTreeMap;
 use std::num::NonZeroU64;
 use std::time::Duration;
 
-/// Text that is no journal: the line and what is wrong with it.
+/// An invalid line of the notation: its number and the problem.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {what}")]
 pub struct BadNotation {
@@ -36,7 +37,7 @@ pub struct BadNotation {
     what: String,
 }
 
-/// The items that the text says.
+/// Parses all items.
 pub fn parse(text: &str) -> Result<Vec<Item>, BadNotation> {
     let mut parser = Parser::default();
     for (line, text) in (1..).zip(text.lines()) {
@@ -48,7 +49,7 @@ pub fn parse(text: &str) -> Result<Vec<Item>, BadNotation> {
     Ok(parser.items)
 }
 
-/// What the text says as one batch, for a journal whose last event was at `t_ns`.
+/// Parses all items into one batch, for a journal whose last event was at `t_ns`.
 pub fn batch(text: &str, t_ns: u64) -> Result<Batch, BadNotation> {
     let mut batch = Batch::new(t_ns);
     for item in parse(text)? {
@@ -207,7 +208,7 @@ impl Parser {
         self.places.get(path).cloned().ok_or_else(|| format!("no place {path} was defined"))
     }
 
-    /// `name=json` as often as wanted, and `undoes N`.
+    /// Parses any number of `name=json`, and `undoes N`.
     fn values(&mut self, text: &str) -> Parsed<(BTreeMap<String, Kept>, Option<NonZeroU64>)> {
         let mut values = BTreeMap::new();
         let mut rest = text.trim_start();
@@ -251,13 +252,13 @@ impl Parser {
     }
 }
 
-/// The first word and what follows.
+/// Splits the text after the first word.
 fn split(text: &str) -> Parsed<(&str, &str)> {
     let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
     if word.is_empty() { Err("the line is not complete".to_owned()) } else { Ok((word, rest)) }
 }
 
-/// The JSON value that the text begins with, and what follows.
+/// Splits the text after the JSON value at its beginning.
 fn json(text: &str) -> Parsed<(Value, &str)> {
     let mut values = serde_json::Deserializer::from_str(text).into_iter::<Value>();
     match values.next() {
@@ -267,7 +268,7 @@ fn json(text: &str) -> Parsed<(Value, &str)> {
     }
 }
 
-/// One value for each port. If none is named they were not kept.
+/// One value for each port. If none is named, no values were kept.
 fn in_order(ports: &[(u64, SmolStr)], values: &mut BTreeMap<String, Kept>) -> Vec<Kept> {
     if values.is_empty() {
         return Vec::new();

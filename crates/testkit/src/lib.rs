@@ -1,7 +1,7 @@
-//! What the tests of several crates share: machines, journals and folders from text, edits chosen by
-//! numbers, and runs simulated by seeds.
+//! Shared test support: machines, journals and folders from text, edits chosen by numbers, and simulated runs and links
+//! with seeds.
 //!
-//! Knows what is public in the crates that it helps to test. No product may depend on it; tests, benches and examples do.
+//! Knows the public items of the tested crates. Only tests, benches and examples may depend on it, no product.
 
 pub mod disturbed_link;
 pub mod edits;

@@ -1,9 +1,9 @@
-//! Machines that several tests begin with: one from the notation, and files that an old version wrote.
+//! Machines for several tests: one from the notation, and files of an old version.
 
 use crate::notation;
 use rafcon_model::Machine;
 
-/// The machine that the notation describes.
+/// Parses the machine of the notation.
 pub fn machine(text: &str) -> Machine {
     match notation::parse(text) {
         Ok(machine) => machine,

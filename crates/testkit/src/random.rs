@@ -1,6 +1,6 @@
-//! Numbers that look random and are the same for the same seed.
+//! Random numbers that depend only on the seed.
 
-/// A generator (splitmix64).
+/// A random generator (splitmix64).
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 
@@ -22,7 +22,7 @@ impl Random {
         usize::try_from(self.next() % limit as u64).unwrap_or_default()
     }
 
-    /// True in so many of a hundred cases.
+    /// True with a probability of `chance` percent.
     pub(crate) fn percent(&mut self, chance: usize) -> bool {
         self.below(100) < chance
     }
@@ -32,7 +32,7 @@ impl Random {
         i64::try_from(self.below(limit)).unwrap_or_default()
     }
 
-    /// One of these, if there are any.
+    /// A random item, if there are any.
     pub(crate) fn pick<T: Clone>(&mut self, items: &[T]) -> Option<T> {
         if items.is_empty() {
             return None;

@@ -1,40 +1,40 @@
-//! A carrier of datagrams as bad as a scenario wants it: late, lost, doubled, overtaken, at a rate, and cut.
+//! A carrier of datagrams with configurable faults: delay, loss, duplication, reordering, a limited rate, and cuts.
 
 use crate::random::Random;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// How long each way takes.
+/// One-way delay of the link.
 pub(super) const DELAY: Duration = Duration::from_secs(2);
 
-/// What a carrier does to datagrams.
+/// Faults of a carrier.
 #[derive(Debug, Clone)]
 pub struct Conditions {
-    /// How long the way takes.
+    /// One-way delay.
     pub delay: Duration,
-    /// The rate, with the headers of IP and UDP.
+    /// Rate, including the headers of IP and UDP.
     pub bits_per_s: u64,
-    /// So many of a hundred are lost.
+    /// Percentage of datagrams that are lost.
     pub lost: usize,
-    /// So many of a hundred come twice.
+    /// Percentage of datagrams that are duplicated.
     pub doubled: usize,
-    /// So many of a hundred are late by at most `late_max`, and others overtake them.
+    /// Percentage of datagrams with an additional delay of at most `late_max`, so that others overtake them.
     pub late: usize,
-    /// See `late`.
+    /// Maximum additional delay; see `late`.
     pub late_max: Duration,
-    /// What waits longer for its turn is dropped.
+    /// Datagrams that wait longer in the queue are dropped.
     pub queue_max: Duration,
-    /// Of so many of a hundred, one bit is another when they arrive.
+    /// Percentage of datagrams in which one bit is flipped.
     pub flipped: usize,
-    /// So many bytes are added to the length of what is sent: headers that are not part of it.
+    /// Bytes added to the length of each datagram, for headers.
     pub overhead: usize,
-    /// Whether all of it arrives once and in its order, as what TCP has repaired: late at worst, also after a cut. What is lost comes
-    /// a round trip later, and all behind it waits.
+    /// True if all data arrives once and in order, as with TCP: only late, also after a cut. Lost data arrives a round trip
+    /// later, and delays all data behind it.
     pub in_order: bool,
 }
 
 impl Conditions {
-    /// A link over 2 s that loses some datagrams, doubles some and delays some more.
+    /// A link with a delay of 2 s that loses, duplicates and delays some datagrams.
     pub fn delay_2s(bits_per_s: u64) -> Self {
         Self {
             delay: DELAY,
@@ -51,16 +51,16 @@ impl Conditions {
     }
 }
 
-/// What becomes of datagrams that are sent while the carrier is cut.
+/// Fate of datagrams that are sent during a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cut {
-    /// They are gone.
+    /// They are lost.
     Drops,
-    /// They come when the cut is over, as if nothing had been.
+    /// They arrive when the cut ends, without loss.
     Holds,
 }
 
-/// One direction.
+/// One direction of the link.
 #[derive(Debug)]
 pub struct Carrier {
     conditions: Conditions,
@@ -69,16 +69,16 @@ pub struct Carrier {
     free_at: Duration,
     on_the_way: BTreeMap<(Duration, u64), Vec<u8>>,
     count: u64,
-    /// When the last of it arrives, if it arrives in order.
+    /// Arrival time of the last datagram, for arrival in order.
     last_at: Duration,
-    /// Until a cut ends whose end is not known.
+    /// Datagrams held until the end of an open cut.
     held: Vec<Vec<u8>>,
-    /// All that was sent, with the headers of IP and UDP.
+    /// Number of bytes sent, with the headers of IP and UDP.
     pub bytes: u64,
 }
 
 impl Carrier {
-    /// A carrier that is whole. Chance follows the seed.
+    /// A carrier without cuts. Faults are determined by the seed.
     pub fn new(conditions: Conditions, seed: u64) -> Self {
         Self {
             conditions,
@@ -93,34 +93,34 @@ impl Carrier {
         }
     }
 
-    /// What it does to datagrams.
+    /// The current faults.
     pub fn conditions(&self) -> &Conditions {
         &self.conditions
     }
 
-    /// From now on it does this to what is sent.
+    /// Sets the faults for all datagrams from now on.
     pub fn set_conditions(&mut self, conditions: Conditions) {
         self.conditions = conditions;
     }
 
-    /// What becomes of what is sent now, if it is cut.
+    /// Fate of datagrams that are sent now, if the carrier is cut.
     pub fn cut_at(&self, now: Duration) -> Option<Cut> {
         let cut = self.cuts.iter().find(|(from, to, _)| (*from..*to).contains(&now));
         cut.map(|(_, _, cut)| *cut)
     }
 
-    /// Cuts it from one time to another.
+    /// Cuts the carrier from one time to another.
     pub fn cut(&mut self, from: Duration, to: Duration, cut: Cut) {
         self.cuts.push((from, to, cut));
     }
 
-    /// Cuts it from now on.
+    /// Begins a cut without a known end.
     pub fn begin_cut(&mut self, now: Duration, cut: Cut) {
         self.end_cut(now);
         self.cut(now, Duration::MAX, cut);
     }
 
-    /// Ends the cut that was begun. What was held comes now, in its order and at the rate.
+    /// Ends the open cut. Held datagrams are delivered now, in order and at the rate.
     pub fn end_cut(&mut self, now: Duration) {
         for (_, to, _) in &mut self.cuts {
             *to = now.min(*to);
@@ -131,7 +131,7 @@ impl Carrier {
         }
     }
 
-    /// Takes a datagram that is sent now.
+    /// Sends a datagram now.
     pub fn send(&mut self, now: Duration, mut datagram: Vec<u8>) {
         let length = self.length(&datagram);
         self.bytes += length;
@@ -162,7 +162,7 @@ impl Carrier {
         let first = self.free_at + delay + lateness(&mut self.random);
         let second = self.free_at + delay + lateness(&mut self.random);
         let (is_lost, is_doubled) = (self.random.percent(lost), self.random.percent(doubled));
-        // Worlds without flipped bits have the same chance as ever.
+        // Without flipped bits no random number is used, so that old seeds give unchanged results.
         if self.conditions.flipped > 0 && self.random.percent(self.conditions.flipped) {
             let place = self.random.below(datagram.len().max(1));
             if let Some(byte) = datagram.get_mut(place) {
@@ -182,12 +182,12 @@ impl Carrier {
         self.on_the_way.insert((at, self.count), datagram);
     }
 
-    /// When the next datagram arrives.
+    /// Arrival time of the next datagram.
     pub fn next(&self) -> Option<Duration> {
         self.on_the_way.keys().next().map(|(at, _)| *at)
     }
 
-    /// The next datagram that has arrived by now.
+    /// Returns the next datagram that has arrived by now.
     pub fn arrive(&mut self, now: Duration) -> Option<Vec<u8>> {
         let first = self.on_the_way.first_entry().filter(|first| first.key().0 <= now)?;
         Some(first.remove())

@@ -1,19 +1,19 @@
-//! The clock of a process in the world.
+//! The clock of a process in the simulated world.
 
 use std::time::Duration;
 
 const MILLION: u128 = 1_000_000;
 
-/// Begins at the start of its process, and is not exactly as fast as the world's.
+/// A clock that starts with its process, and runs slightly faster or slower than the world's.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LocalClock {
     started: Duration,
-    /// How far it gets in a million of the world's ns.
+    /// Its progress in a million ns of the world.
     per_million: u128,
 }
 
 impl LocalClock {
-    /// `fast` says by how many ns in a million it is too fast.
+    /// A clock that gains `fast` ns in a million.
     pub(super) fn new(started: Duration, fast: i64) -> Self {
         let per_million = MILLION.saturating_add_signed(i128::from(fast));
         Self { started, per_million }
@@ -24,7 +24,7 @@ impl LocalClock {
         nanos(passed * self.per_million / MILLION)
     }
 
-    /// The first moment of the world at which it shows this time; none if that never comes.
+    /// The first time of the world at which the clock shows this time; `None` if it never does.
     pub(super) fn real(self, local: Duration) -> Option<Duration> {
         let is_never = local >= Duration::from_secs(1 << 30);
         let passed = (local.as_nanos() * MILLION).div_ceil(self.per_million);

@@ -1,4 +1,4 @@
-//! What a run of the world measured, and the figures that follow.
+//! Measurements of a simulated world, and the figures derived from them.
 
 #![expect(
     clippy::cast_precision_loss,
@@ -10,44 +10,44 @@
 use rafcon_link::Traffic;
 use std::time::Duration;
 
-/// What one seed measured, or all.
+/// Measurements of one seed, or of all.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Measures {
-    /// Events of the robot that a replica lacks in the end.
+    /// Events of the robot that a replica lacks at the end.
     pub missing: u64,
     /// Events of a replica that the robot does not have.
     pub extra: u64,
-    /// Events with other bytes.
+    /// Events whose bytes differ.
     pub different: u64,
-    /// Events that happened while the link was whole, and what the robot sent to one station in that time, in bytes.
+    /// Number of events while the link was whole, and bytes that the robot sent to one station in that time.
     pub events: u64,
     /// See `events`.
     pub bytes: u64,
-    /// The same by the kinds of frames.
+    /// Traffic in that time by kind of frame.
     pub traffic: Traffic,
-    /// From an event to a state at the station that includes it, less the delay, while the link was whole.
+    /// Time from an event to a state at the station that includes it, minus the delay, while the link was whole.
     pub latency: Vec<Duration>,
-    /// The same without an up-link.
+    /// Latency without an up-link.
     pub one_way_latency: Vec<Duration>,
-    /// From the end of a cut to a live state, less the delay.
+    /// Time from the end of a cut to a live state, minus the delay.
     pub live_after_return: Vec<Duration>,
-    /// From the start of a station without a replica and without an up-link to a live state, less the delay.
+    /// Time from the start of a station without a replica and without an up-link to a live state, minus the delay.
     pub late_joiner: Vec<Duration>,
-    /// From the end of the long cut to a complete replica, and in which time that was to be.
+    /// Time from the end of the long cut to a complete replica, with its limit.
     pub backfill: Vec<(Duration, Duration)>,
-    /// From the command to its effect, less the delay, while the link was whole.
+    /// Time from a command to its effect, minus the delay, while the link was whole.
     pub hold: Vec<Duration>,
-    /// Commands that were carried out after their time, twice, or under an old epoch.
+    /// Commands executed after expiry, twice, or under an old epoch.
     pub late_or_twice: u64,
-    /// Commands that were carried out.
+    /// Number of commands executed.
     pub commands: u64,
-    /// How often a server died.
+    /// Number of times a server was killed.
     pub kills: u64,
-    /// What the robot sent while nothing happened, in bits, and in which time.
+    /// Bits that the robot sent while the mission was quiet; the duration is `idle`.
     pub idle_bits: u64,
     /// See `idle_bits`.
     pub idle: Duration,
-    /// What a station and the robot sent each other, in bytes, while one operator watched the mission, and while five did.
+    /// Bytes between a station and the robot while one operator watched the mission, and while five did.
     pub watched: [u64; 2],
 }
 
@@ -56,16 +56,16 @@ pub struct Measures {
 pub struct Figure {
     /// Its name.
     pub name: &'static str,
-    /// What was measured.
+    /// The measured value.
     pub value: f64,
-    /// Its unit; empty for a number.
+    /// Its unit; empty for a count.
     pub unit: &'static str,
-    /// It has to be at most this.
+    /// Maximum allowed value.
     pub bar: f64,
 }
 
 impl Measures {
-    /// Adds those of another seed.
+    /// Adds the measurements of another seed.
     pub fn add(&mut self, other: &Self) {
         self.missing += other.missing;
         self.extra += other.extra;
@@ -89,7 +89,7 @@ impl Measures {
         }
     }
 
-    /// Adds what was sent between two times of one session.
+    /// Adds the traffic between two times of one session.
     pub(super) fn add_traffic(&mut self, after: &Traffic, before: &Traffic) {
         self.traffic.datagrams += after.datagrams - before.datagrams;
         self.traffic.bytes += after.bytes - before.bytes;
@@ -99,7 +99,7 @@ impl Measures {
         }
     }
 
-    /// Where the bytes of an event go, besides its own: each kind of frames, and the headers, in bytes for each event.
+    /// Overhead of an event in bytes: each kind of frame, and the headers.
     pub fn breakdown(&self) -> Vec<(&'static str, f64)> {
         let frames: u64 = self.traffic.by_kind.values().sum();
         let kinds = self.traffic.by_kind.iter().map(|(kind, bytes)| (*kind, *bytes));
@@ -155,7 +155,7 @@ fn ratio(over: u64, under: u64) -> f64 {
     over as f64 / under.max(1) as f64
 }
 
-/// The value that so much of them is at most; zero of none.
+/// Quantile of the values; zero if there are no values.
 fn quantile(values: &[Duration], part: f64) -> Duration {
     let mut values = values.to_vec();
     values.sort_unstable();

@@ -1,4 +1,4 @@
-//! The events of a mission, in the bytes of a journal: 800 states, eight deep, three branches, ten events a second.
+//! The events of a mission, encoded as in a journal: 800 states, eight deep, three branches, ten events a second.
 
 use crate::random::Random;
 use rafcon_storage::journal::record::Content;
@@ -10,10 +10,10 @@ use std::time::Duration;
 const BRANCHES: usize = 3;
 const DEPTH: usize = 8;
 const STATES: usize = 800;
-/// Each branch goes to its next state after this time on average.
+/// Average duration of a state on each branch.
 const STATE_MS: usize = 850;
 
-/// A mission that was run.
+/// A recorded mission.
 #[derive(Debug)]
 pub(super) struct Mission {
     events: Vec<MissionEvent>,
@@ -25,12 +25,12 @@ pub(super) struct Mission {
 #[derive(Debug, Clone, Copy)]
 struct MissionEvent {
     t_ns: u64,
-    /// Where its items end.
+    /// End of its items.
     end: usize,
 }
 
 impl Mission {
-    /// A mission of this length, in which nothing happens in the quiet time.
+    /// A mission of this length without events in the quiet time.
     pub(super) fn new(random: Random, length: Duration, quiet: (Duration, Duration)) -> Self {
         let mut writer = MissionWriter::new(random);
         writer.run(length, quiet);
@@ -38,7 +38,7 @@ impl Mission {
         Self { branches, ..writer.mission }
     }
 
-    /// When the event of this number happens.
+    /// Time of the event with this number.
     pub(super) fn time(&self, sequence: u64) -> Option<Duration> {
         let event = self.events.get(usize::try_from(sequence.checked_sub(1)?).ok()?)?;
         Some(Duration::from_nanos(event.t_ns))
@@ -68,11 +68,11 @@ struct MissionWriter {
     mission: Mission,
     t_ns: u64,
     places: Vec<Place>,
-    /// For each place.
+    /// Parent of each place.
     parents: Vec<usize>,
     known: Vec<bool>,
     values: u64,
-    /// The state that runs on each branch, after the containers around it.
+    /// The active state of each branch, after the containers around it.
     active: [Vec<usize>; BRANCHES],
 }
 
@@ -136,7 +136,7 @@ impl MissionWriter {
         self.random.below(2 * STATE_MS) as u64 * 1_000_000
     }
 
-    /// The branch leaves its state and enters another: mostly one beside it, else anywhere in the branch.
+    /// Leaves the state of the branch and enters another: mostly a sibling, else any state of the branch.
     fn advance(&mut self, branch: usize) {
         let before = std::mem::take(&mut self.active[branch]);
         let scripts = (0..STATES).filter(|place| self.places[*place].is_script);
@@ -197,7 +197,7 @@ impl MissionWriter {
         Item::Definition(definition).write(&mut 0, &mut self.mission.items);
     }
 
-    /// As many and as long values as the mission of `rafcon new --template mission` has, in the mean.
+    /// Values whose average number and length match the mission of `rafcon new --template mission`.
     fn values(&mut self) -> Vec<Kept> {
         let count = [0, 0, 1, 1, 2][self.random.below(5)];
         (0..count).map(|_| self.value()).collect()
@@ -240,12 +240,12 @@ fn place(path: &str, names: &str, is_script: bool) -> Place {
     }
 }
 
-/// One event of a mission, for those who carry it otherwise.
+/// One event of a mission, for other carriers.
 #[derive(Debug, Clone)]
 pub struct SampleEvent {
-    /// When it happens, in ns since the mission began.
+    /// Time of the event, in ns since the beginning of the mission.
     pub t_ns: u64,
-    /// Its items, as they lie in a journal, with what they need that was not said before.
+    /// Its items as in a journal, with all definitions that they need and that were not yet sent.
     pub items: Vec<u8>,
     /// The ids of its place.
     pub path: String,
@@ -253,7 +253,7 @@ pub struct SampleEvent {
     pub names: String,
 }
 
-/// The events of a mission of this length, and its state in the middle, as a link would send it.
+/// The events of a mission of this length, and its state in the middle, encoded as for a link.
 pub fn sample_events(seed: u64, length: Duration) -> (Vec<SampleEvent>, Vec<u8>) {
     let mission = Mission::new(Random::new(seed), length, (length, length));
     let (mut places, mut events) = (Vec::new(), Vec::new());
@@ -285,7 +285,7 @@ pub fn sample_events(seed: u64, length: Duration) -> (Vec<SampleEvent>, Vec<u8>)
     (events, state.take_bytes())
 }
 
-/// The state of a mission, as a robot follows it to send it.
+/// The state of a mission, as a robot sends it.
 #[derive(Debug)]
 pub(super) struct MissionState {
     moment: Moment,
@@ -297,7 +297,7 @@ impl MissionState {
         Self { moment: Moment::new(Places::default()), sequence: 0 }
     }
 
-    /// Takes the events up to this one.
+    /// Applies the events up to this one.
     pub(super) fn follow(&mut self, mission: &Mission, head: u64) {
         if self.sequence >= head {
             return;
@@ -314,7 +314,7 @@ impl MissionState {
         }
     }
 
-    /// The states that are active with inputs: path, event, and the inputs in words.
+    /// Active states with inputs: path, event, and the inputs as text.
     pub(super) fn inputs(&self) -> impl Iterator<Item = (String, u64, String)> {
         self.moment.active().into_iter().map(|state| {
             let inputs: Vec<_> = state.inputs.iter().map(|(_, kept)| format!("{kept:?}")).collect();
@@ -322,10 +322,10 @@ impl MissionState {
         })
     }
 
-    /// The state, and for each place its parent and its number there: with the machine, that says which place it is.
+    /// The encoded state, with the parent and the number of each place. With the machine, these identify the place.
     pub(super) fn take_bytes(&mut self) -> Vec<u8> {
         let mut bytes = self.moment.to_bytes_with_steps(0);
-        // Goes on with what the station reads, which has no steps to go back.
+        // Continue from the decoded state, because the station's copy has no steps for undoing.
         let places = self.moment.places().clone();
         if let Ok(moment) = Moment::from_bytes(&bytes, places) {
             self.moment = moment;

@@ -1,5 +1,5 @@
-//! A robot and its stations in one virtual world: the real sessions of `rafcon-link`, a carrier that is as bad as a seed wants it,
-//! servers that die, disks that stay. What must always be true is checked after every step.
+//! A robot and its stations in a virtual world: the real sessions of `rafcon-link`, a carrier with faults that depend on
+//! the seed, servers that die, and persistent disks. All invariants are checked after every step.
 
 mod carrier;
 mod clock;

@@ -1,10 +1,10 @@
-//! What happens to the world of a seed, and when.
+//! Timed events of the world of a seed.
 
 use super::carrier::Cut;
 use crate::random::Random;
 use std::time::Duration;
 
-/// Which world.
+/// A kind of world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scenario {
     /// An hour on a link of 2 s: cuts of 90 s and of 12 minutes, half of the time without an up-link.
@@ -13,7 +13,7 @@ pub enum Scenario {
     Kills,
 }
 
-/// A time in which something is so.
+/// A period of time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Window {
     pub(super) from: Duration,
@@ -30,28 +30,28 @@ impl Window {
         (self.from..self.to).contains(&time)
     }
 
-    /// The same with more time around it.
+    /// The window extended in both directions.
     pub(super) fn wider(self, before: Duration, after: Duration) -> Self {
         Self { from: self.from.saturating_sub(before), to: self.to + after }
     }
 }
 
-/// Something that is done to the world once.
+/// A single event in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Action {
     StartRobot,
     KillRobot,
     StartStation(usize),
     KillStation(usize),
-    /// The operator at the station that has control gives a command.
+    /// The operator at the station in control sends a command.
     Command,
     /// The other station takes control.
     TakeControl,
-    /// The disk of a station takes nothing more.
+    /// The disk of a station is full.
     FillDisk(usize),
     /// It has room again.
     FreeDisk(usize),
-    /// The robot's calendar is set: so many ms forward, or back.
+    /// The robot's calendar jumps by this many ms, forward or back.
     SetCalendar(i64),
     /// Another operator of the first station watches the mission.
     Watch,
@@ -60,20 +60,20 @@ pub(super) enum Action {
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) length: Duration,
-    /// When nothing happens in the mission.
+    /// Period without events in the mission.
     pub(super) quiet: Window,
-    /// Cuts of the link in both directions, with what becomes of what is sent up meanwhile.
+    /// Cuts of the link in both directions, with the fate of datagrams that are sent up meanwhile.
     pub(super) cuts: Vec<(Window, Cut)>,
-    /// Times without an up-link.
+    /// Periods without an up-link.
     pub(super) one_way: Vec<Window>,
-    /// Times in which a server is not there, with the number of the station, or none for the robot.
+    /// Periods in which a server is down, with the number of the station, or `None` for the robot.
     pub(super) down: Vec<(Window, Option<usize>)>,
-    /// Times in which the disk of a station is full.
+    /// Periods in which the disk of a station is full.
     pub(super) full: Vec<(Window, usize)>,
     pub(super) actions: Vec<(Duration, Action)>,
 }
 
-/// The first two stations have an up-link, the third one comes late and has none.
+/// Number of stations with an up-link. One more station joins late and has none.
 pub(super) const STATIONS: usize = 2;
 pub(super) const LATE: usize = 2;
 
@@ -91,7 +91,8 @@ impl Plan {
         plan
     }
 
-    /// Now and then the disk of a station is full. No server starts meanwhile: it could not keep the number of its start.
+    /// Fills the disk of a station occasionally. No server starts meanwhile, because it could not store the number of its
+    /// start.
     fn add_full_disks(&mut self, random: &mut Random) {
         let length = usize::try_from(self.length.as_millis()).unwrap_or_default();
         for _ in 0..6 {
@@ -113,7 +114,7 @@ impl Plan {
         }
     }
 
-    /// Now and then the robot's calendar jumps: by moments, or by days.
+    /// Lets the robot's calendar jump occasionally: by moments, or by days.
     fn add_calendar_jumps(&mut self, random: &mut Random) {
         let length = usize::try_from(self.length.as_millis()).unwrap_or_default();
         for _ in 0..8 {
@@ -142,7 +143,7 @@ impl Plan {
             (station.to, Action::StartStation(0)),
             (late, Action::StartStation(LATE)),
             (Duration::from_millis(between(1_380_000, 1_400_000)), Action::TakeControl),
-            // So that the cut comes in the middle of it.
+            // Place the cut in the middle of it.
             (first.from.saturating_sub(Duration::from_millis(between(0, 4_000))), Action::Command),
         ];
         let mut at = 20_000;

@@ -1,4 +1,4 @@
-//! The robot in the world: a disk that stays, and a server that can die.
+//! The robot in the world: a persistent disk, and a server that can die.
 
 use super::clock::LocalClock;
 use super::mission::{Mission, MissionState};
@@ -27,20 +27,20 @@ pub(super) struct Robot {
     state: MissionState,
 }
 
-/// What the calendar says more than the time of the world, in ms, since when, by which start of the server.
+/// Offsets of the calendar from the time of the world, in ms, each with the time from which it applies.
 #[derive(Debug)]
 pub(super) struct Calendar {
     pub(super) settings: Vec<(Duration, u64)>,
 }
 
 impl Calendar {
-    /// What it says now, in ms since 1970.
+    /// The calendar time now, in ms since 1970.
     fn at(&self, now: Duration) -> u64 {
         let more = self.settings.last().map_or(0, |(_, more)| *more);
         more + u64::try_from(now.as_millis()).unwrap_or_default()
     }
 
-    /// It is set forward, or back.
+    /// Sets the calendar forward, or back.
     pub(super) fn jump(&mut self, now: Duration, ms: i64) {
         let more = self.settings.last().map_or(0, |(_, more)| *more);
         self.settings.push((now, more.saturating_add_signed(ms)));
@@ -51,7 +51,7 @@ impl Calendar {
 struct RobotDisk {
     starts: u32,
     heard: Vec<Option<Horizon>>,
-    /// What each station watches.
+    /// Watched states of each station.
     watched: Vec<Watched>,
     commands: BTreeMap<CommandId, CommandState>,
     epoch: u64,
@@ -65,7 +65,7 @@ pub(super) struct RobotServer {
     head: u64,
 }
 
-/// What the robot did because of a command.
+/// A command that the robot executed.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CarriedOut {
     pub(super) id: CommandId,
@@ -112,7 +112,7 @@ impl Robot {
         Self { disk, calendar, server: None, state: MissionState::new() }
     }
 
-    /// Starts the server; the mission is at this event.
+    /// Starts the server when the mission is at this event.
     pub(super) fn start(&mut self, clock: LocalClock, profile: &Profile, head: u64) {
         self.disk.starts += 1;
         let session = |(station, heard): (usize, &Option<Horizon>)| {
@@ -134,7 +134,7 @@ impl Robot {
         self.server = Some(RobotServer { clock, sessions, head });
     }
 
-    /// The server dies.
+    /// Kills the server.
     pub(super) fn kill(&mut self) {
         self.server = None;
     }
@@ -144,7 +144,7 @@ impl Robot {
         self.disk.starts
     }
 
-    /// The mission is at this event.
+    /// Follows the mission up to this event.
     pub(super) fn follow(&mut self, now: Duration, mission: &Mission, head: u64, is_over: bool) {
         let Some(server) = &mut self.server else { return };
         let (local, calendar) = (server.clock.local(now), self.calendar.at(now));
@@ -180,20 +180,20 @@ impl Robot {
         session.transmit(local, &mut journal).map_err(|error| error.to_string())
     }
 
-    /// What was sent to a station since the server started.
+    /// Traffic to a station since the start of the server.
     pub(super) fn sent(&self, station: usize) -> Traffic {
         let sent = self.server.as_ref().map(|server| server.sessions[station].traffic().0.clone());
         sent.unwrap_or_default()
     }
 
-    /// When something may be due for a station.
+    /// Time of the next action for a station.
     pub(super) fn next(&self, now: Duration, station: usize) -> Option<Duration> {
         let server = self.server.as_ref()?;
         let next = server.sessions[station].next_transmit(server.clock.local(now));
         server.clock.real(next)
     }
 
-    /// Takes a datagram of a station; answers what the robot did because of it.
+    /// Receives a datagram of a station; returns the commands executed because of it.
     pub(super) fn receive(
         &mut self,
         now: Duration,

@@ -1,4 +1,4 @@
-//! A station in the world: a disk with a replica that stays, and a server that can die.
+//! A station in the world: a persistent disk with a replica, and a server that can die.
 
 use super::clock::LocalClock;
 use super::mission::Mission;
@@ -12,16 +12,16 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// The replica reaches the disk this often.
+/// Interval of syncing the replica to disk.
 const SYNC_EVERY: Duration = Duration::from_millis(250);
 
 #[derive(Debug)]
 pub(super) struct Station {
-    /// Whose key it has.
+    /// Number of its pairing key.
     key: usize,
     pub(super) disk: StationDisk,
     pub(super) server: Option<StationServer>,
-    /// Of the events that it received, how often the bytes were not those of the robot.
+    /// Number of received events whose bytes differ from the robot's.
     pub(super) different: u64,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Station {
 pub(super) struct StationDisk {
     starts: u32,
     heard: Option<Horizon>,
-    /// It takes nothing more.
+    /// True if the disk is full.
     pub(super) is_full: bool,
     /// The events of the replica.
     pub(super) events: RangeSet,
@@ -41,9 +41,9 @@ pub(super) struct StationServer {
     session: StationSession,
     unsynced: Vec<RangeInclusive<u64>>,
     synced: Duration,
-    /// The newest snapshot is of this event.
+    /// The event of the newest snapshot.
     snapshot: u64,
-    /// The state after this event is shown.
+    /// The event of the shown state.
     pub(super) view: u64,
     pub(super) fates: BTreeMap<CommandId, CommandState>,
 }
@@ -75,7 +75,7 @@ impl Station {
         });
     }
 
-    /// The server dies, with what it has not synced.
+    /// Kills the server, with all data not yet synced.
     pub(super) fn kill(&mut self) {
         self.server = None;
     }
@@ -134,7 +134,7 @@ impl Station {
         server.view = server.view.max(received.contiguous()).max(after_snapshot);
     }
 
-    /// Of which start of the robot the station knows the clock, and the robot's calendar, at least and at most.
+    /// The robot's calendar as the station knows it: the start of the robot whose clock is known, and the bounds.
     pub(super) fn robot_calendar(&self, now: Duration) -> Option<(u32, u64, Option<u64>)> {
         let server = self.server.as_ref()?;
         let local = server.clock.local(now);
@@ -142,26 +142,26 @@ impl Station {
         Some((server.session.robot_clock(local)?.start.0, earliest, latest))
     }
 
-    /// Whether everything on its disk is known to its server, and nothing is reported as safe that is not there.
+    /// True if the server knows all events on its disk, and reports no other event as safe.
     pub(super) fn knows_its_disk(&self) -> bool {
         let received = self.server.as_ref().and_then(|server| server.session.received(STREAM));
         received
             .is_none_or(|received| self.disk.events.ranges().all(|range| received.contains(&range)))
     }
 
-    /// The last event up to which it has received all.
+    /// The last event before the first gap.
     pub(super) fn contiguous(&self) -> u64 {
         let progress = self.server.as_ref().and_then(|server| server.session.progress(STREAM));
         progress.map_or(0, |progress| progress.contiguous)
     }
 
-    /// Asks the robot for what is watched; answers whether there is a server to do so.
+    /// Sends a watch request to the robot; false if no server runs.
     pub(super) fn watch(&mut self, number: u64, body: Vec<u8>) -> bool {
         let Some(server) = &mut self.server else { return false };
         server.session.watch(STREAM, number, body).is_ok()
     }
 
-    /// Gives a command; answers whether it is on its way.
+    /// Sends a command; false if it cannot be sent.
     pub(super) fn command(&mut self, now: Duration, command: NewCommand) -> bool {
         let Some(server) = &mut self.server else { return false };
         server.session.command(server.clock.local(now), command).is_ok()

@@ -1,4 +1,4 @@
-//! Operators who watch values of the mission at the first station: what the station asks the robot for, and what the robot tells.
+//! Operators who watch values of the mission at the first station: the requests of the station, and the robot's responses.
 
 use super::mission::MissionState;
 use super::robot::STREAM;
@@ -7,26 +7,26 @@ use rafcon_protocol::{WatchKind, WatchTarget};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// Another operator joins after so long, also while the link is cut.
+/// Interval at which operators join, also while the link is cut.
 const JOIN_EVERY: Duration = Duration::from_mins(7);
 
 /// The operators of the first station.
 #[derive(Debug, Default)]
 pub(super) struct Operators {
-    /// Who watches what.
+    /// Watched states of each operator.
     targets: Vec<Vec<WatchTarget>>,
     asked: Vec<WatchTarget>,
     number: u64,
 }
 
 impl Operators {
-    /// When so many operators join.
+    /// Times at which this number of operators join.
     pub(super) fn join_at(count: usize) -> impl Iterator<Item = Duration> {
         (0..u32::try_from(count).unwrap_or_default())
             .map(|operator| Duration::from_secs(30) + JOIN_EVERY * operator)
     }
 
-    /// Another operator watches all of these states, in an order of their own.
+    /// Adds an operator who watches all of these states, in a different order.
     pub(super) fn join(&mut self, states: &[String]) {
         let target = |path: &String| {
             let (kind, path, name) = (WatchKind::State, path.clone(), String::new());
@@ -37,7 +37,7 @@ impl Operators {
         self.targets.push(targets);
     }
 
-    /// What the station asks the robot for, with its number, if that is something else than before.
+    /// Request of the station to the robot with its number, if it has changed.
     pub(super) fn wish(&mut self) -> Option<(u64, Vec<u8>)> {
         let (union, _) = WatchTarget::union(self.targets.iter().flatten());
         if union == self.asked {
@@ -49,13 +49,13 @@ impl Operators {
         Some((self.number, body))
     }
 
-    /// The station has started again, and does not know what it asked for.
+    /// Forgets the last request, after a restart of the station.
     pub(super) fn ask_again(&mut self) {
         self.asked.clear();
     }
 }
 
-/// What the robot knows of what a station watches: it stays on its disk.
+/// The robot's persistent record of what a station watches.
 #[derive(Debug, Default)]
 pub(super) struct Watched {
     pub(super) number: u64,
@@ -64,7 +64,7 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// Takes the wishes of the station.
+    /// Receives the requests of the station.
     pub(super) fn take(&mut self, session: &mut RobotSession) {
         while let Some(wish) = session.take_wish() {
             let text = String::from_utf8_lossy(&wish.body).into_owned();
@@ -73,7 +73,7 @@ impl Watched {
         }
     }
 
-    /// Tells the newest inputs of the states that are watched, if their events do not bring them in time.
+    /// Sends the newest inputs of the watched states, if their events do not arrive in time.
     pub(super) fn tell(&mut self, now: Duration, state: &MissionState, session: &mut RobotSession) {
         if self.states.is_empty() || !session.needs_watched(now, STREAM) {
             return;
@@ -91,7 +91,7 @@ impl Watched {
     }
 }
 
-/// Of which event a value is that came ahead; nothing if it is broken.
+/// Number of the event of a value that arrived early; `None` if the value is invalid.
 pub(super) fn event_of(value: &[u8]) -> Option<u64> {
     std::str::from_utf8(value).ok()?.split(' ').next()?.parse().ok()
 }

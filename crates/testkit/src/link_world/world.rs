@@ -1,4 +1,4 @@
-//! The world: who sends what when, and what has to be true after every step.
+//! The world: it delivers datagrams and events in time, and checks all invariants after every step.
 
 use super::carrier::{Carrier, Conditions, Cut, DELAY};
 use super::clock::LocalClock;
@@ -13,22 +13,22 @@ use rafcon_link::{CommandId, NewCommand, Profile, Traffic};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// A view is live that includes all that happened up to this time ago, besides the delay.
+/// A view is live if it includes all events up to this age, in addition to the delay.
 const LIVE: Duration = Duration::from_millis(150);
-/// After a cut, for so long what happens is not counted as on a whole link.
+/// Period after a cut that does not count as a whole link.
 const RECOVERY: Duration = Duration::from_secs(15);
-/// What happens reaches the robot's server in groups.
+/// Interval at which groups of events reach the robot's server.
 const GROUP: Duration = Duration::from_millis(5);
 const TICK: Duration = Duration::from_secs(1);
 
-/// Runs the world of a seed; answers what it measured, or the first promise that was broken.
+/// Runs the world of a seed. Returns its measurements, or the first broken invariant.
 pub fn run(seed: u64, scenario: Scenario) -> Result<Measures, String> {
     let mut world = LinkWorld::new(seed, scenario);
     world.go().map_err(|broken| format!("seed {seed}, at {:?}: {broken}", world.now))?;
     let measures = world.measures;
     Ok(match scenario {
         Scenario::SpaceBotCamp => measures,
-        // Its links are hardly ever whole: what counts is that nothing is lost, late or done twice.
+        // Its links are rarely whole; only losses, late commands and repeated commands count.
         Scenario::Kills => {
             let Measures { missing, extra, different, late_or_twice, commands, kills, .. } =
                 measures;
@@ -45,7 +45,7 @@ pub fn run(seed: u64, scenario: Scenario) -> Result<Measures, String> {
     })
 }
 
-/// How many bytes the first station and the robot sent each other in a mission that so many operators watched.
+/// Bytes between the first station and the robot in a mission that this number of operators watch.
 pub fn run_watched(seed: u64, operators: usize) -> Result<u64, String> {
     let mut world = LinkWorld::new(seed, Scenario::SpaceBotCamp);
     let joins = Operators::join_at(operators).map(|at| (at, Action::Watch));
@@ -65,15 +65,15 @@ struct LinkWorld {
     head: u64,
     robot: Robot,
     stations: Vec<Station>,
-    /// To each station.
+    /// Carriers to each station.
     down: Vec<Carrier>,
-    /// From each station.
+    /// Carriers from each station.
     up: Vec<Carrier>,
     given: BTreeMap<CommandId, Given>,
     in_control: usize,
     epoch: u64,
     robot_epoch: u64,
-    /// The first station shows the state after this event.
+    /// The event of the state that the first station shows.
     seen: u64,
     returns: Vec<Waited>,
     late_joined: Option<Duration>,
@@ -90,19 +90,19 @@ struct Given {
     carried_out: bool,
 }
 
-/// A cut is over, and the first station is not live yet.
+/// Set after a cut until the first station is live.
 struct Waited {
     since: Duration,
 }
 
-/// After the long cut the replica of the first station is not complete.
+/// Set after the long cut until the replica of the first station is complete.
 struct Fill {
     since: Duration,
     until: u64,
     bar: Duration,
 }
 
-/// What was sent to the first station up to a full second.
+/// Traffic to the first station up to a full second.
 struct Tick {
     at: Duration,
     bytes: u64,
@@ -264,7 +264,7 @@ impl LinkWorld {
         }
     }
 
-    /// Of a process that starts now.
+    /// The clock of a process that starts now.
     fn clock(&mut self) -> LocalClock {
         LocalClock::new(self.now, self.random.small(100) - 50)
     }
@@ -349,7 +349,7 @@ impl LinkWorld {
         Ok(())
     }
 
-    /// Whether both directions are whole, the servers are there, and were so for a while and are so for `after`.
+    /// True if both directions are whole and the servers run, and this has been so for a while and remains so for `after`.
     fn is_whole(&self, time: Duration, after: Duration) -> bool {
         self.is_whole_down(time, after)
             && !self.plan.one_way.iter().any(|it| it.wider(after, RECOVERY).has(time))
@@ -447,7 +447,7 @@ impl LinkWorld {
         }
         Ok(())
     }
-    /// The calendar of the robot is, or was lately, between the bounds that a station knows.
+    /// Checks that the robot's calendar is, or was recently, within the bounds that a station knows.
     fn check_calendar(&self, number: usize, station: &Station) -> Result<(), String> {
         let Some((start, earliest, latest)) = station.robot_calendar(self.now) else {
             return Ok(());
@@ -456,10 +456,10 @@ impl LinkWorld {
             return Ok(());
         }
         let now = u64::try_from(self.now.as_millis()).unwrap_or_default();
-        // No two clocks are equally fast, and the calendar is that of the world.
+        // Clocks run at different rates; the calendar follows the world.
         let drift = 2 + now / 10_000;
         let settings = &self.robot.calendar.settings;
-        // On a whole link, the station knows the newest soon.
+        // On a whole link, the station soon knows the current calendar.
         let is_whole = self.is_whole(self.now, DELAY);
         let old = settings.partition_point(|(at, _)| is_whole && *at + RECOVERY < self.now);
         let lately = old.max(1) - 1;

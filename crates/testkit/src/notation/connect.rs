@@ -1,5 +1,5 @@
-//! The ends of transitions and data flows in the notation, `AAAAAA.success -> .n`: reading them, and finding the ids that
-//! their names stand for.
+//! Parsing of the ends of transitions and data flows in the notation, `AAAAAA.success -> .n`, and resolution of their names
+//! to ids.
 
 use super::NotationError;
 use super::scan::Line;
@@ -97,7 +97,7 @@ pub(super) fn part(line: &mut Line<'_>) -> Result<ConnectionPart, NotationError>
 }
 
 impl Connection<'_> {
-    /// What a line outside a container is answered.
+    /// Error for a line outside a container.
     pub(super) fn misplaced(&self) -> NotationError {
         self.line.error("only hierarchies and concurrency states have transitions and data flows")
     }

@@ -1,4 +1,4 @@
-//! A state while its lines are read.
+//! A state while its lines are parsed.
 
 use super::NotationError;
 use super::connect::{Connection, ConnectionPart, part};
@@ -10,13 +10,13 @@ use rafcon_model::{
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// What the lines have said so far.
+/// Result of the lines until now.
 #[derive(Debug)]
 pub(super) struct Draft<'t> {
     pub(super) state: State,
     connections: Vec<Connection<'t>>,
     settings: Vec<Setting<'t>>,
-    /// Whether a library state lists outcomes and ports itself.
+    /// True if a library state lists its outcomes and ports itself.
     own_interface: bool,
 }
 
@@ -51,7 +51,7 @@ impl<'t> Draft<'t> {
         })
     }
 
-    /// Reads a line about the state itself; false if its keyword is none of those.
+    /// Parses a line about the state itself; false if its keyword is unknown here.
     pub(super) fn line(&mut self, line: &mut Line<'t>) -> Result<bool, NotationError> {
         let word = line.peek_word();
         let begin = *line;
@@ -82,7 +82,7 @@ impl<'t> Draft<'t> {
         Ok(())
     }
 
-    /// Sets the script or description, whose text may stand on more lines.
+    /// Sets the script or description, whose text may span several lines.
     pub(super) fn text(
         &mut self,
         line: &Line<'t>,
@@ -132,7 +132,7 @@ impl<'t> Draft<'t> {
         Ok(())
     }
 
-    /// The finished state, all names resolved.
+    /// Returns the finished state with all names resolved.
     pub(super) fn finish(mut self) -> Result<Arc<State>, NotationError> {
         if !self.own_interface {
             take_interface_of_content(&mut self.state);
@@ -256,7 +256,7 @@ fn library(line: &mut Line<'_>) -> Result<Library, NotationError> {
     Ok(Library { path, name, version, inputs, outputs, content })
 }
 
-/// Reads a layout: a document, or a text that is none.
+/// Reads a layout: a document, or a text that is not a valid one.
 pub(super) fn read_layout(line: &mut Line<'_>) -> Result<Layout, NotationError> {
     match line.quoted()? {
         Some(text) => Ok(Layout::from_text(&text)),

@@ -1,5 +1,5 @@
-//! Machines as text, read: the other half of [`rafcon_model::notation`], which prints them. Reads line by line, with a stack
-//! of open blocks instead of recursion. Knows the syntax of `docs/notation.md`; never files.
+//! Parser for machines as text, the counterpart of [`rafcon_model::notation`], which prints them. Parses line by line, with
+//! a stack of open blocks instead of recursion. Knows the syntax of `docs/notation.md`; never files.
 
 mod connect;
 mod draft;
@@ -17,7 +17,7 @@ use smol_str::SmolStr;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Why a text is not a machine, and where.
+/// An error in a text, with its position.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {reason}")]
 pub struct NotationError {
@@ -25,11 +25,11 @@ pub struct NotationError {
     pub line: usize,
     /// Counted from 1, in bytes.
     pub column: usize,
-    /// What was found or missing.
+    /// Description of the problem.
     pub reason: String,
 }
 
-/// Reads a machine. Faults of the machine (transitions to nowhere, double names) are no errors here.
+/// Parses a machine. Faults of the machine (transitions to nowhere, duplicate names) are no errors here.
 pub fn parse(text: &str) -> Result<Machine, NotationError> {
     let mut parser = NotationParser {
         lines: Lines::new(text),
@@ -77,7 +77,7 @@ enum Open<'t> {
 const KINDS: [&str; 6] = ["execution", "decider", "hierarchy", "barrier", "preemptive", "library"];
 
 impl<'t> NotationParser<'t> {
-    /// Closes the blocks that a line at `indent` is not inside of.
+    /// Closes the blocks that do not contain a line at `indent`.
     fn close(&mut self, indent: usize) -> Result<(), NotationError> {
         while let Some(block) = self.open.pop_if(|block| block.line.indent >= indent) {
             if let Open::State(draft) = block.open {
@@ -88,7 +88,7 @@ impl<'t> NotationParser<'t> {
         Ok(())
     }
 
-    /// Gives a finished state to the block around it.
+    /// Adds a finished state to the block around it.
     fn attach(&mut self, line: &Line<'t>, state: Arc<State>) -> Result<(), NotationError> {
         let twice = || line.error("here is place for one state only");
         let count = self.open.len();
@@ -185,7 +185,7 @@ impl<'t> NotationParser<'t> {
         }
     }
 
-    /// `content` with a state below it, or `content NAME` of something defined before.
+    /// Parses `content` with a state below it, or `content NAME` of an earlier definition.
     fn content(&mut self, begin: Line<'t>, mut line: Line<'t>) -> Result<(), NotationError> {
         if line.at_end() {
             self.open.push(Block { line: begin, open: Open::Content });
@@ -199,7 +199,7 @@ impl<'t> NotationParser<'t> {
         self.draft(&begin)?.content(&begin, root)
     }
 
-    /// A text in quotes, or `|` (`|-`: without a newline at its end) and a block.
+    /// Parses a text in quotes, or `|` (`|-`: without a newline at its end) and a block.
     fn text(&mut self, line: &mut Line<'t>) -> Result<String, NotationError> {
         if let Some(text) = line.quoted()? {
             return line.end().map(|()| text);

@@ -1,11 +1,11 @@
-//! One line of the notation, read from left to right. Knows words, names, numbers and values; not what they mean.
+//! Scanner for one line of the notation, from left to right. Knows words, names, numbers and values; not their meaning.
 
 use super::NotationError;
 use rafcon_model::port::Extra;
 use rafcon_model::{DataType, Json, Value, json, literal};
 use smol_str::SmolStr;
 
-/// A line without its indentation, and how far it has been read.
+/// A line without its indentation, with the current position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'t> {
     pub(super) number: usize,
@@ -35,7 +35,7 @@ impl<'t> Line<'t> {
         trimmed
     }
 
-    /// Whether nothing but a comment is left.
+    /// True if only a comment is left.
     pub(super) fn at_end(&mut self) -> bool {
         let rest = self.rest();
         rest.is_empty() || rest.starts_with('#')
@@ -49,7 +49,7 @@ impl<'t> Line<'t> {
         }
     }
 
-    /// Passes `symbol` if it stands here.
+    /// Skips `symbol` if it is next.
     pub(super) fn eat(&mut self, symbol: &str) -> bool {
         let found = self.rest().starts_with(symbol);
         self.at += if found { symbol.len() } else { 0 };
@@ -60,28 +60,28 @@ impl<'t> Line<'t> {
         if self.eat(symbol) { Ok(()) } else { Err(self.error(format!("expected `{symbol}`"))) }
     }
 
-    /// Passes `symbol` if it stands here directly, without a space before it.
+    /// Skips `symbol` if it follows directly, without a space before it.
     pub(super) fn eat_joined(&mut self, symbol: &str) -> bool {
         let found = self.text[self.at..].starts_with(symbol);
         self.at += if found { symbol.len() } else { 0 };
         found
     }
 
-    /// The bare word that stands here; empty if there is none.
+    /// The next bare word; empty if another token is next.
     pub(super) fn peek_word(&mut self) -> &'t str {
         let rest = self.rest();
         let length = rest.bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
         &rest[..length]
     }
 
-    /// Passes the bare word `word` if it stands here.
+    /// Skips the bare word `word` if it is next.
     pub(super) fn eat_word(&mut self, word: &str) -> bool {
         let found = self.peek_word() == word;
         self.at += if found { word.len() } else { 0 };
         found
     }
 
-    /// A bare word or a string in quotes.
+    /// Reads a bare word or a string in quotes.
     pub(super) fn name(&mut self) -> Result<SmolStr, NotationError> {
         if let Some(text) = self.quoted()? {
             return Ok(SmolStr::new(text));
@@ -94,7 +94,7 @@ impl<'t> Line<'t> {
         Ok(SmolStr::new(word))
     }
 
-    /// A string in quotes if one begins here.
+    /// Reads a string in quotes if it is next.
     pub(super) fn quoted(&mut self) -> Result<Option<String>, NotationError> {
         let rest = self.rest();
         if !rest.starts_with('"') {
@@ -111,7 +111,7 @@ impl<'t> Line<'t> {
         }
     }
 
-    /// A whole number if one stands here.
+    /// Reads a whole number if it is next.
     pub(super) fn number(&mut self) -> Option<i64> {
         let rest = self.rest();
         let digits = rest.strip_prefix('-').unwrap_or(rest);
@@ -122,7 +122,7 @@ impl<'t> Line<'t> {
         Some(number)
     }
 
-    /// A value: a Python literal, or `json` and the file's encoding.
+    /// Reads a value: a Python literal, or `json` and the file's encoding.
     pub(super) fn value(&mut self) -> Result<Value, NotationError> {
         if self.eat_word("json") {
             return Ok(Value::from_json(&self.json()?));
@@ -163,12 +163,12 @@ impl<'t> Line<'t> {
     }
 }
 
-/// Whether this byte needs no quotes in a type's name.
+/// True if this byte needs no quotes in the name of a type.
 pub(super) fn is_type_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.')
 }
 
-/// How many bytes the value takes that `text` begins with: up to a space or comment outside of quotes and brackets.
+/// Length in bytes of the value at the beginning of `text`: up to a space or comment outside of quotes and brackets.
 fn value_length(text: &str) -> usize {
     let (mut at, mut depth) = (0, 0_usize);
     while let Some(c) = text[at..].chars().next() {
@@ -184,7 +184,7 @@ fn value_length(text: &str) -> usize {
     at
 }
 
-/// How many bytes are left of a string after its first quote, the last one among them.
+/// Length in bytes of the rest of a string after its first quote, including the last quote.
 fn quoted_length(rest: &str, quote: char) -> usize {
     let mut is_escaped = false;
     let end = rest.find(|c| {
@@ -195,7 +195,7 @@ fn quoted_length(rest: &str, quote: char) -> usize {
     end.map_or(rest.len(), |end| end + 1)
 }
 
-/// The lines of a document, taken from front to back.
+/// The lines of a document, from front to back.
 pub(super) struct Lines<'t> {
     lines: Vec<&'t str>,
     next: usize,
@@ -207,15 +207,15 @@ impl<'t> Lines<'t> {
         Self { lines: text.split('\n').map(strip).collect(), next: 0 }
     }
 
-    /// The number of the next line, counted from 1, and the line.
+    /// The next line with its number, counted from 1.
     pub(super) fn take(&mut self) -> Option<(usize, &'t str)> {
         let line = self.lines.get(self.next)?;
         self.next += 1;
         Some((self.next, line))
     }
 
-    /// The lines below a keyword at `indent` that are indented deeper, without their common indentation, which is that of
-    /// the first. Empty lines at the end do not belong to it.
+    /// The lines below a keyword at `indent` that are indented deeper, without the indentation of the first line. Empty
+    /// lines at the end are left out.
     pub(super) fn block(&mut self, indent: usize) -> String {
         let rest = &self.lines[self.next..];
         let inside = |line: &&str| is_blank(line) || indent_of(line) > indent;

@@ -1,4 +1,4 @@
-//! Random commands, most of them sensible at the moment.
+//! Random commands, most of them valid at the moment.
 
 use super::places::paths;
 use crate::random::Random;
@@ -17,18 +17,18 @@ pub(crate) enum Like {
     WaitingChanges,
     Force,
     BeginningAgain,
-    /// The ground is not heard for a while.
+    /// No contact with the ground for a while.
     Silence,
     /// The engine is lost, and another one resumes the run.
     Losses,
-    /// States are asked to end.
+    /// Requests for states to end.
     Requests,
 }
 
-/// Which kinds of commands a run gets, so that some runs go far before one comes.
+/// Kinds of commands in a run. Different rates let some runs progress far before the first command.
 #[derive(Debug, Clone)]
 pub(crate) struct Mood {
-    /// Commands in a hundred inputs.
+    /// Percentage of inputs that are commands.
     pub(crate) commands: usize,
     likes: Vec<Like>,
 }
@@ -47,7 +47,7 @@ impl Mood {
         Self::among(&chances, random)
     }
 
-    /// A mood in which nothing is held: two runs can be compared in it.
+    /// A mood without holds, in which two runs can be compared.
     pub(crate) fn plain(random: &mut Random) -> Self {
         Self::among(&[(Like::Changes, 50)], random)
     }
@@ -58,7 +58,7 @@ impl Mood {
         Self { commands, likes: chosen.map(|(like, _)| *like).collect() }
     }
 
-    /// What runs get in the wide world besides.
+    /// Adds the kinds of commands that only the wide world has.
     pub(crate) fn widen(&mut self, random: &mut Random) {
         let chances = [(Like::Losses, 50), (Like::Requests, 35)];
         let chosen = chances.into_iter().filter(|(_, chance)| random.percent(*chance));
@@ -70,14 +70,14 @@ impl Mood {
     }
 }
 
-/// What a command is chosen from.
+/// State from which a command is chosen.
 pub(crate) struct Moment<'m> {
     pub(crate) engine: &'m Engine<Value>,
     pub(crate) machine: &'m Machine,
 }
 
 impl Moment<'_> {
-    /// The place of an active state; of one inside of it; or any place.
+    /// A random path: of an active state, of one inside of it, or any.
     fn path(&self, random: &mut Random) -> StatePath {
         let all = paths(self.machine);
         let active = self.active();
@@ -95,12 +95,12 @@ impl Moment<'_> {
         chosen.unwrap_or_else(|| StatePath::root(StateId::new("NOWHERE")))
     }
 
-    /// The place of a state that is active.
+    /// The path of an active state.
     pub(crate) fn active_path(&self, random: &mut Random) -> Option<StatePath> {
         random.pick(&self.active())
     }
 
-    /// A state in one that is active.
+    /// A state inside an active one.
     fn near(&self, random: &mut Random) -> StatePath {
         let active = self.active();
         let mut all = paths(self.machine);
@@ -115,7 +115,7 @@ impl Moment<'_> {
         self.engine.snapshot().iter().map(|active| self.engine.path_text(active.path)).collect()
     }
 
-    /// All branches, or the place of one.
+    /// `None` for all branches, or the path of one.
     fn branch(&self, random: &mut Random) -> Option<StatePath> {
         if random.percent(40) {
             return None;
@@ -137,7 +137,7 @@ impl Moment<'_> {
         self.engine.snapshot().iter().any(|active| active.activity == waits)
     }
 
-    /// A state that stands still, or the one before which something is held.
+    /// A held or waiting state, or the one before which a branch is held.
     fn still(&self, random: &mut Random) -> StatePath {
         let snapshot = self.engine.snapshot();
         let still = snapshot
@@ -153,7 +153,7 @@ impl Moment<'_> {
     }
 }
 
-/// One command, other than those that need what only the world knows.
+/// A random command, except those that need more knowledge of the world.
 pub(crate) fn command(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Value> {
     if random.percent(20) {
         return any(moment, mood, random);
@@ -188,7 +188,7 @@ fn while_free(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Va
     }
 }
 
-/// A command that may well be out of place.
+/// A random command that may be invalid.
 fn any(moment: &Moment<'_>, mood: &Mood, random: &mut Random) -> Input<Value> {
     match random.below(12) {
         0..=1 if mood.likes(Like::Steps) => step(moment, random),
@@ -221,7 +221,7 @@ fn recover(moment: &Moment<'_>, random: &mut Random) -> Input<Value> {
     Input::Recover(path, interrupted(random))
 }
 
-/// What becomes of interrupted scripts.
+/// A random policy for interrupted scripts.
 pub(crate) fn interrupted(random: &mut Random) -> Interrupted {
     let all = [Interrupted::Wait, Interrupted::Abort, Interrupted::Again];
     random.pick(&all).unwrap_or(Interrupted::Again)
@@ -246,13 +246,13 @@ fn breakpoints(moment: &Moment<'_>, random: &mut Random) -> Input<Value> {
     })
 }
 
-/// As long as policies and breakpoints name, or over.
+/// A random silence: as long as those of policies and breakpoints, or over.
 fn silence(random: &mut Random) -> Silence {
     let mut ms = || random.pick(&[0, 10, 20, 30]).unwrap_or_default();
     Silence { link_ms: ms(), command_ms: ms() }
 }
 
-/// A random beginning.
+/// A random start.
 pub(crate) fn start(moment: &Moment<'_>, random: &mut Random) -> Start<Value> {
     let all = paths(moment.machine);
     let start_from = random.pick(&all).filter(|_| random.percent(60));

@@ -1,17 +1,17 @@
-//! What a simulation exercised, so that a run that tests nothing does not pass for one that found nothing.
+//! Coverage of a simulation, so that a run that tests nothing does not count as successful.
 
 use std::fmt;
 
 macro_rules! counts {
     ($($(#[$doc:meta])* $name:ident),+ $(,)?) => {
-        /// How often each thing happened.
+        /// Number of occurrences of each kind of event.
         #[derive(Debug, Clone, Default, PartialEq, Eq)]
         pub struct Counts {
             $($(#[$doc])* pub $name: u64,)+
         }
 
         impl Counts {
-            /// Adds what another run did.
+            /// Adds the counts of another run.
             pub fn add(&mut self, other: &Self) {
                 $(self.$name += other.$name;)+
             }
@@ -24,15 +24,15 @@ macro_rules! counts {
 }
 
 counts! {
-    /// States that were entered.
+    /// States entered.
     states_run,
     /// Runs that ended by themselves, before any stop.
     ended_by_themselves,
-    /// Commands that were taken.
+    /// Commands accepted.
     commands_taken,
-    /// Commands that were refused, and changed nothing.
+    /// Commands refused without a change.
     commands_refused,
-    /// States that were asked to end.
+    /// States requested to end.
     preemptions,
     /// Commands to preempt one state.
     preempt_commands,
@@ -42,74 +42,74 @@ counts! {
     branch_steps,
     /// Steps back, of the run or of one branch.
     steps_back,
-    /// States that were entered or left backwards.
+    /// States entered or left backwards.
     backward_steps,
     /// Scripts that ran backwards.
     backward_scripts,
-    /// Runs to a state that were held there.
+    /// Runs to a state that stopped there.
     held_at_targets,
-    /// Branches that policies for a lost link held.
+    /// Branches held by policies for a lost link.
     held_by_policies,
-    /// States that policies for a lost link preempted.
+    /// States preempted by policies for a lost link.
     recovered_states,
     /// Breakpoints that held something.
     held_breakpoints,
-    /// Breakpoints that were passed and held nothing.
+    /// Breakpoints passed without a hold.
     passed_breakpoints,
     /// Conditions that were evaluated.
     checks,
     /// Outcomes that were forced.
     forced_outcomes,
-    /// Changes that were taken at once.
+    /// Changes applied at once.
     applied_changes,
-    /// Changes that waited.
+    /// Changes that had to wait.
     waiting_changes,
-    /// Changes that were taken after they had waited.
+    /// Changes applied after waiting.
     changes_after_waiting,
-    /// Changes that would have touched what is active.
+    /// Changes refused because they would affect active states.
     refused_changes,
-    /// Runs that were begun again elsewhere.
+    /// Runs restarted from another state.
     started_again,
-    /// States that were dropped then.
+    /// States dropped by such a restart.
     dropped_states,
-    /// Runs that were resumed by another engine.
+    /// Runs resumed by another engine.
     resumed,
-    /// Runs that were resumed although they had been resumed before.
+    /// Runs resumed more than once.
     resumed_again,
-    /// Runs that were resumed while they were stopping.
+    /// Runs resumed while stopping.
     resumed_stopping,
-    /// Runs that were resumed while a state had been asked to end.
+    /// Runs resumed while a state had a request to end.
     resumed_preempting,
-    /// Runs that were resumed while a handler ran.
+    /// Runs resumed while a handler ran.
     resumed_handling,
-    /// Runs that were resumed while a state was active backwards.
+    /// Runs resumed while a state was active backwards.
     resumed_backwards,
-    /// Runs that were resumed with breakpoints.
+    /// Runs resumed with breakpoints.
     resumed_with_breakpoints,
-    /// Runs that were resumed by a changed machine.
+    /// Runs resumed with a changed machine.
     resumed_changed,
     /// Runs that did not fit a changed machine.
     refused_changed,
-    /// Moments of the past that a run went back to.
+    /// Past moments restored by a run.
     moments_restored,
-    /// Interrupted scripts about which someone decided.
+    /// Interrupted scripts with a decision.
     recovered,
-    /// Answers that both of two runs gave, one of which had been cut and resumed.
+    /// Matching outputs of an uncut run and its cut and resumed twin.
     twin_answers,
-    /// Times that the run which had been resumed was cut once more.
+    /// Further cuts of a resumed twin.
     twins_cut_again,
     /// Cuts while the run was stopping.
     twins_cut_stopping,
-    /// Cuts while a state had been asked to end.
+    /// Cuts while a state had a request to end.
     twins_cut_preempting,
     /// Cuts while a handler ran.
     twins_cut_handling,
-    /// Runs that continued from what events alone had said, while a state had been asked to end.
+    /// Runs resumed from events alone, while a state had a request to end.
     twins_told_preempting,
 }
 
 impl Counts {
-    /// What happened in less than one of a hundred seeds.
+    /// Kinds of events that occurred in less than one percent of the seeds.
     pub fn rare(&self, seeds: u64) -> Vec<&'static str> {
         let least = seeds / 100;
         self.all().into_iter().filter(|(_, count)| *count <= least).map(|(name, _)| name).collect()

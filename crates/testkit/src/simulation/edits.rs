@@ -12,7 +12,7 @@ use rafcon_model::{
 };
 use std::sync::Arc;
 
-/// The machine after one or a few random edits; nothing, if none of them was legal.
+/// The machine after one or a few random edits; `None` if none of them was legal.
 pub(crate) fn edited(machine: &Machine, random: &mut Random, fresh: &mut u32) -> Option<Machine> {
     let mut edited = machine.clone();
     let mut changed = false;
@@ -24,7 +24,7 @@ pub(crate) fn edited(machine: &Machine, random: &mut Random, fresh: &mut u32) ->
     changed.then_some(edited)
 }
 
-/// The machine after another version of a library was loaded, or a library was lost, or taken for another.
+/// The machine after a library was reloaded in another version, lost, or replaced.
 pub(crate) fn reloaded(machine: &Machine, random: &mut Random, fresh: &mut u32) -> Option<Machine> {
     let mut libraries = paths(machine);
     libraries.retain(|path| library_at(machine, path).is_some());
@@ -159,7 +159,7 @@ fn children_edit(state: &State, random: &mut Random, fresh: &mut u32) -> Option<
     })
 }
 
-/// A state with the face that all states have.
+/// A state with the common outcomes and ports of all states.
 fn state_like(id: StateId, random: &mut Random) -> Option<Arc<State>> {
     let kinds = [
         Kind::Execution(Script::default()),

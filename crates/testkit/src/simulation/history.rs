@@ -1,4 +1,4 @@
-//! How a run stands, told from its events alone, as a journal tells it.
+//! State of a run reconstructed from its events alone, as from a journal.
 
 use rafcon_engine::{
     ActiveStateData, ChildEnd, Engine, Event, NodeId, PathId, ScopedValue, Stopping,
@@ -6,12 +6,12 @@ use rafcon_engine::{
 use rafcon_model::{KindName, OutcomeId, PortId, Value};
 use std::collections::BTreeMap;
 
-/// What events have said so far. Knows steps forward only.
+/// State after the events until now. Supports forward steps only.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     active: BTreeMap<PathId, ActiveStateData<Value>>,
     events: u64,
-    /// The last request to stop, and whether there was one before.
+    /// The last request to stop, and a flag for earlier ones.
     stop: Option<Stopping>,
 }
 
@@ -69,7 +69,7 @@ impl History {
         }
     }
 
-    /// The error of the state before, or of the library state around a root.
+    /// The error of the previous state, or of the library state around a root.
     fn handed_on(&self, engine: &Engine<Value>, path: PathId) -> Option<Value> {
         let parent = engine.path_parent(path)?;
         let node = engine.program().node(engine.path_node(parent)?);
@@ -92,7 +92,7 @@ impl History {
         let around = engine.path_parent(path).and_then(|around| self.active.get_mut(&around));
         if let Some(around) = around {
             around.last = Some(end.state.clone());
-            // What a state gave earlier stays where it has left the output out now.
+            // Keep earlier outputs of a state that its last end left out.
             for other in around.ended.iter_mut().filter(|other| other.state == end.state) {
                 other.outputs.retain(|(id, _)| !end.outputs.iter().any(|(given, _)| given == id));
             }
@@ -101,15 +101,15 @@ impl History {
         }
     }
 
-    /// How the run was asked to stop.
+    /// The stop request of the run, if any.
     pub(crate) fn stopping(&self) -> Option<Stopping> {
         self.stop
     }
 
-    /// What is active, with all its data.
+    /// The active states with all their data.
     pub(crate) fn configuration(&self, engine: &Engine<Value>) -> Option<ActiveStateData<Value>> {
         let mut made: BTreeMap<PathId, Vec<ActiveStateData<Value>>> = BTreeMap::new();
-        // A place has a higher number than the place around it.
+        // The number of a place is higher than that of its parent.
         for (path, active) in self.active.iter().rev() {
             let mut restored = active.clone();
             restored.children = made.remove(path).unwrap_or_default();

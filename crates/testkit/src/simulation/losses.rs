@@ -1,4 +1,4 @@
-//! Engines that are lost at any moment, and others that resume their runs.
+//! Random losses of engines, and resumption of their runs by other engines.
 
 use super::commands;
 use super::edits::{edited, reloaded};
@@ -12,19 +12,19 @@ use rafcon_model::{Machine, StatePath, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What is left of a run whose process died.
+/// Remains of a run whose process died.
 struct Left {
     breakpoints: Vec<Input<Value>>,
     restore: Restore<Value>,
-    /// Which states were active, and whether they had been asked to end.
+    /// Active states, with a flag for a request to end.
     asked: BTreeMap<StatePath, bool>,
-    /// Whether nothing was held and nothing was ever undone. A branch that was held behind its end, or that had ended when
+    /// True if nothing was held or undone before. Otherwise a branch that was held behind its end, or had ended when
     /// another was undone, wins its race when the run is resumed.
     went_on: bool,
 }
 
 impl World {
-    /// The process dies; another engine resumes the run as it was.
+    /// Kills the process; another engine resumes the run in its last state.
     pub(crate) fn lose_engine(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
         let counted = self.engine.counted();
@@ -42,7 +42,7 @@ impl World {
         self.resume(left)
     }
 
-    /// The same while nothing is held, so that it continues as if nothing had happened.
+    /// Kills the process while nothing is held, so that the run continues without a difference.
     pub(crate) fn lose_engine_quietly(&mut self) -> Checked {
         let Some(root) = self.engine.configuration() else { return Ok(()) };
         let counted = self.engine.counted();
@@ -98,7 +98,7 @@ impl World {
         Left { breakpoints, restore, asked, went_on }
     }
 
-    /// The machine was changed while no one ran it. Whether it fits the run.
+    /// Resumes the run with a changed machine. Returns false if the machine does not fit the run.
     fn resume_changed(&mut self, left: &Left) -> Result<bool, String> {
         let Some(random) = &mut self.wide else { return Ok(false) };
         let mut machine = self.machine.clone();
@@ -141,7 +141,7 @@ impl World {
         breakpoints.iter().try_for_each(|breakpoint| self.feed(breakpoint.clone()))
     }
 
-    /// Goes on as it was: what was asked to end still is, and nothing else.
+    /// Resumes the run, and checks that exactly the earlier requests to end remain.
     fn resume(&mut self, left: Left) -> Checked {
         let input = Input::Restore(Box::new(left.restore));
         self.say(&input);

@@ -2,17 +2,17 @@
 
 use crate::random::Random;
 
-/// How deep machines get.
+/// Maximum depth of machines.
 const DEPTH: usize = 4;
-/// Every state has these outcomes, besides the mandatory ones.
+/// Outcomes of every state, besides the mandatory ones.
 pub(crate) const OUTCOMES: [&str; 2] = ["a", "b"];
-/// Every state has this input, with the id 0.
+/// Input of every state, with the id 0.
 pub(crate) const INPUT: &str = "x";
-/// Every state has this output, with the id 1.
+/// Output of every state, with the id 1.
 pub(crate) const OUTPUT: &str = "y";
 
 const LOSSES: [&str; 2] = ["lost_link", "lost_command"];
-/// What states do when the ground is lost.
+/// Policies of states for a lost link.
 const POLICIES: [&str; 4] = [
     "\"continue\"",
     "{\"finish_s\": 0.01}",
@@ -20,12 +20,12 @@ const POLICIES: [&str; 4] = [
     "{\"finish_s\": 0.01, \"recover_s\": 0.02}",
 ];
 
-/// What a machine is made of.
+/// State of the generation of a machine.
 #[derive(Debug)]
 pub(crate) struct Generator<'r> {
     random: &'r mut Random,
     states: usize,
-    /// Whether the outcome preempted may be connected.
+    /// True if the outcome preempted may be connected.
     handlers: bool,
     text: String,
 }
@@ -50,7 +50,7 @@ impl Generator<'_> {
     }
 
     fn state(&mut self, id: &str, depth: usize, indent: usize) {
-        // The root has something inside.
+        // The root is always a container.
         let choice = match depth {
             0 => 4 + self.random.below(8),
             DEPTH.. => 0,
@@ -70,7 +70,7 @@ impl Generator<'_> {
         self.face(indent + 1);
     }
 
-    /// Outcomes and ports, the same for every state, so that all can be connected with all.
+    /// Writes the common outcomes and ports of all states, so that any two states can be connected.
     fn face(&mut self, indent: usize) {
         for outcome in OUTCOMES {
             self.line(indent, &format!("outcome {outcome}"));
@@ -171,7 +171,7 @@ impl Generator<'_> {
         }
     }
 
-    /// Transitions of the child of a concurrency state.
+    /// Writes the transitions of a child of a concurrency state.
     fn ends(&mut self, child: &str, indent: usize) {
         for outcome in ["a", "b", "aborted"] {
             if self.random.percent(85) {

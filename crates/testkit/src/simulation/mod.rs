@@ -1,4 +1,5 @@
-//! Simulated runs: random machines, results, commands, edits and lost engines, in random orders that a seed decides.
+//! Simulated runs: random machines, results, commands, edits and lost engines, in random orders. All depends only on the
+//! seed.
 
 mod commands;
 mod counts;

@@ -1,9 +1,9 @@
-//! States of a machine by their places, those in libraries too.
+//! States of a machine by their paths, including those in libraries.
 
 use rafcon_model::{Kind, Library, LibraryContent, Machine, State, StateId, StatePath};
 use std::sync::Arc;
 
-/// All places of a machine, parents before children.
+/// All paths of a machine, parents before children.
 pub(crate) fn paths(machine: &Machine) -> Vec<StatePath> {
     let mut found = vec![(StatePath::root(machine.root.id.clone()), &machine.root)];
     let mut next = 0;
@@ -24,7 +24,7 @@ fn inside(state: &State) -> Vec<(&StateId, &Arc<State>)> {
     }
 }
 
-/// The state at a place, to be changed.
+/// Mutable access to the state at a path.
 pub(crate) fn state_at_mut<'m>(
     machine: &'m mut Machine,
     path: &StatePath,

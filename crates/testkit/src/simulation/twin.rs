@@ -1,5 +1,4 @@
-//! A run that is cut and resumed by another engine continues as the run that was not cut: the same answers to the same
-//! results, from then on.
+//! Comparison of a run with its cut and resumed twin: from then on, equal results must give equal outputs.
 
 use super::commands::Like;
 use super::watch::{Amid, Checked};
@@ -13,17 +12,17 @@ use rafcon_model::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Inputs at most after the cut.
+/// Maximum number of inputs after the cut.
 const INPUTS: usize = 80;
 
-/// One of the two runs, with its scripts by their places.
+/// One of the two runs, with its scripts by path.
 struct Twin {
     engine: Engine<Value>,
     jobs: BTreeMap<String, Job<Value>>,
 }
 
 impl World {
-    /// Runs for a while, and is then cut and resumed while it also continues.
+    /// Runs for a while, then cuts and resumes the run while the original continues.
     pub(crate) fn live_as_twins(&mut self) -> Checked {
         self.feed(Input::Start(Start::default()))?;
         for _ in 0..self.random.below(LIFE / 4) {
@@ -51,7 +50,7 @@ impl World {
     }
 }
 
-/// Cuts the run of this world, and drives both until they end.
+/// Cuts the run of this world, and drives both runs to their ends.
 fn twins(world: &mut World) -> Checked {
     let amid = Amid::of(&world.engine);
     let told = is_told(world, amid);
@@ -96,8 +95,8 @@ fn twins(world: &mut World) -> Checked {
     if over { Ok(()) } else { Err("the run that was resumed goes on".into()) }
 }
 
-/// Whether the run continues from what events alone have said. They do not tell of commands to preempt a state, nor what was
-/// before an engine was lost.
+/// True if the run is resumed from events alone. Events lack commands to preempt a state, and all state from before the
+/// loss of an engine.
 fn is_told(world: &mut World, amid: Amid) -> bool {
     let commanded = world.watch.counts.preempt_commands > 0 || world.was_resumed;
     if world.wide.is_some() {
@@ -106,7 +105,7 @@ fn is_told(world: &mut World, amid: Amid) -> bool {
     !world.has_changed && !amid.preempting && world.random.percent(50)
 }
 
-/// The same scripts run, with the same inputs, and the same stands still.
+/// Checks that both runs have equal scripts with equal inputs, and equal held states.
 fn alike(whole: &Twin, cut: &Twin) -> Checked {
     same("runs other scripts", &whole.scripts(), &cut.scripts())?;
     same("stands otherwise", &whole.standing(), &cut.standing())
@@ -120,7 +119,7 @@ fn same(what: &str, whole: &[String], cut: &[String]) -> Checked {
     Err(format!("the run resumed {what}; it should be\n{whole}\nbut is\n{cut}\n"))
 }
 
-/// Gives both the same input, and compares what they say.
+/// Gives both runs an equal input, and compares their outputs.
 fn both(
     whole: &mut Twin,
     cut: &mut Twin,
@@ -153,7 +152,7 @@ fn compare(whole: String, cut: &str) -> Result<String, String> {
 }
 
 impl Twin {
-    /// Another engine resumes the run, if it continues by itself.
+    /// Lets another engine resume the run, if it is running or stopping. Returns false otherwise.
     fn lose_engine(&mut self) -> Result<bool, String> {
         if !matches!(self.engine.status(), Status::Running | Status::Stopping) {
             return Ok(false);
@@ -174,7 +173,7 @@ impl Twin {
         self.feed(Input::Finished { frame: job.frame, result })
     }
 
-    /// What follows from an input, by names.
+    /// Handles an input, and returns the effects as text with names.
     fn feed(&mut self, input: Input<Value>) -> Result<String, String> {
         let mut out = Outbox::default();
         let taken = self.engine.handle(input, &NoGlobals, &mut out);
@@ -196,12 +195,12 @@ impl Twin {
         self.engine.path_text(path).to_string()
     }
 
-    /// The scripts that run, with their inputs.
+    /// The running scripts, with their inputs.
     fn scripts(&self) -> Vec<String> {
         self.jobs.iter().map(|(name, job)| format!("{name} {:?}", job.inputs)).collect()
     }
 
-    /// What is active and what it does.
+    /// The active states with their activities.
     fn standing(&self) -> Vec<String> {
         let snapshot = self.engine.snapshot();
         let active = snapshot.iter().map(|active| {
@@ -210,7 +209,7 @@ impl Twin {
             let flag = active.preempted;
             format!("{} {:?} {held:?} {flag}", self.name(active.path), active.activity.clone())
         });
-        // The numbers of places differ.
+        // Numbers of places differ between the runs.
         active.map(|line| line.replace(|c: char| c.is_ascii_digit(), "")).collect()
     }
 

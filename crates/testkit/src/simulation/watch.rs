@@ -1,4 +1,4 @@
-//! Watches what an engine says and does, and that no promise is broken.
+//! Checks the outputs and effects of an engine against all its guarantees.
 
 use super::counts::Counts;
 use super::history::History;
@@ -9,39 +9,39 @@ use rafcon_model::{KindName, Machine, StatePath, Value};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// Lines that are shown of what went before a broken promise.
+/// Number of lines to show from before a broken guarantee.
 const LINES: usize = 60;
 
-/// A promise that was broken, as text.
+/// Result of a check; the error describes a broken guarantee.
 pub(crate) type Checked = Result<(), String>;
 
 pub(crate) fn promise(kept: bool, what: &str) -> Checked {
     if kept { Ok(()) } else { Err(what.to_owned()) }
 }
 
-/// What is known about a run from outside.
+/// State of a run as seen from outside.
 #[derive(Debug)]
 pub(crate) struct Watch {
     pub(crate) running: Vec<Job<Value>>,
     pub(crate) checks: Vec<u64>,
     pub(crate) history: History,
     pub(crate) counts: Counts,
-    /// Everything that happened, as one number.
+    /// Hash of all events.
     pub(crate) fingerprint: u64,
-    /// Scripts that were begun.
+    /// Number of scripts started.
     pub(crate) started: usize,
-    /// Whether an answer said that the machine has changed.
+    /// True after an output that reports a change of the machine.
     pub(crate) changed: bool,
-    /// Whether nothing is ever held between the end of a state and what follows.
+    /// True if no branch is ever held between the end of a state and its successor.
     pub(crate) plain: bool,
     branches: BTreeSet<u32>,
     active: BTreeSet<PathId>,
     /// States that are active backwards.
     backwards: BTreeSet<PathId>,
     paused: bool,
-    /// The races that have a winner.
+    /// Races with a winner.
     decided: BTreeSet<PathId>,
-    /// How often each place was entered, less how often it was left or dropped.
+    /// Entries of each place, minus exits and drops.
     inside: BTreeMap<PathId, i64>,
     names: BTreeMap<PathId, StatePath>,
     lines: VecDeque<String>,
@@ -69,7 +69,7 @@ impl Watch {
         }
     }
 
-    /// The engine is lost; another one begins.
+    /// Resets the observed state of the run, after the engine was lost.
     pub(crate) fn begin_anew(&mut self) {
         self.running.clear();
         self.checks.clear();
@@ -83,7 +83,7 @@ impl Watch {
         self.names.clear();
     }
 
-    /// Something to be shown if a promise is broken.
+    /// Stores a line for the report of a broken guarantee.
     pub(crate) fn line(&mut self, line: String) {
         // FNV-1a.
         for byte in line.bytes() {
@@ -96,7 +96,7 @@ impl Watch {
         self.lines.push_back(line);
     }
 
-    /// What happened last.
+    /// The last events as text.
     pub(crate) fn story(&self) -> String {
         self.lines.iter().flat_map(|line| [line.as_str(), "\n"]).collect()
     }
@@ -105,7 +105,7 @@ impl Watch {
         !self.backwards.is_empty()
     }
 
-    /// Takes an answer and checks it.
+    /// Receives an output and checks it.
     pub(crate) fn take(&mut self, out: Outbox<Value>, engine: &Engine<Value>) -> Checked {
         let mut named = self.active.clone();
         self.changed = false;
@@ -241,7 +241,7 @@ impl Watch {
         }
     }
 
-    /// What must hold when the run is over.
+    /// Invariants at the end of a run.
     pub(crate) fn end(&self) -> Checked {
         promise(self.running.is_empty(), "the run is over, and scripts run")?;
         promise(self.active.is_empty(), "a state was entered and never left")?;
@@ -250,7 +250,7 @@ impl Watch {
         promise(balanced, "a state was not left as often as it was entered")
     }
 
-    /// What must hold between any two inputs: the engine and those who listened agree, and whoever stands still has a reason.
+    /// Invariants between any two inputs: the engine and its listeners agree, and every held state has a reason.
     pub(crate) fn consistent(&mut self, engine: &Engine<Value>, machine: &Machine) -> Checked {
         engine.check()?;
         let snapshot = engine.snapshot();
@@ -278,7 +278,7 @@ impl Watch {
         Ok(())
     }
 
-    /// A place keeps its name, and what is active stands in the machine.
+    /// Checks that a place keeps its name, and that all active states exist in the machine.
     fn names_stay(
         &mut self,
         snapshot: &[ActiveState],
@@ -300,8 +300,8 @@ impl Watch {
         Ok(())
     }
 
-    /// Whoever lost a race was asked to end, and so is everything inside of what was asked, except in hierarchies, which
-    /// may run a handler.
+    /// Checks that losers of a race are requested to end, and all states inside of requested ones. Hierarchies are exempt,
+    /// because they may run a handler.
     fn requests_arrive(&self, snapshot: &[ActiveState], engine: &Engine<Value>) -> Checked {
         let asked = snapshot.iter().filter(|active| active.preempted).map(|active| active.path);
         let asked = asked.collect::<BTreeSet<_>>();
@@ -316,13 +316,13 @@ impl Watch {
     }
 }
 
-/// What a run is in the middle of.
+/// Current activities of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Amid {
     pub(crate) stopping: bool,
-    /// A state was asked to end.
+    /// True if a state was requested to end.
     pub(crate) preempting: bool,
-    /// A state is active in a hierarchy that was asked to end, and was not asked itself.
+    /// True if a state is active in a hierarchy that was requested to end, without a request itself.
     pub(crate) handling: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A world that drives an engine as real threads and people would, in any order.
+//! A world that drives an engine like real threads and users, in any order.
 
 use super::commands::{self, Like, Moment, Mood};
 use super::counts::Counts;
@@ -14,30 +14,30 @@ use rafcon_engine::{
 use rafcon_model::{Machine, Value};
 use std::sync::Arc;
 
-/// Inputs at most before the run is stopped.
+/// Maximum number of inputs before the run is stopped.
 pub(crate) const INPUTS: usize = 150;
-/// Inputs after the first stop, before the second.
+/// Number of inputs between the first and the second stop.
 const INPUTS_AFTER_STOP: usize = 60;
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Report {
-    /// What it exercised.
+    /// Coverage of the run.
     pub counts: Counts,
-    /// Everything that happened, as one number.
+    /// Hash of all events.
     pub fingerprint: u64,
 }
 
-/// What can happen to a run.
+/// Range of possible events in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Width {
-    /// What could in the first version of the simulation, in the same order: seeds that failed then repeat what they did.
+    /// Events of the first version of the simulation, in their order, so that failed seeds reproduce.
     First,
-    /// Everything.
+    /// All events.
     Wide,
 }
 
-/// Runs the machine of this seed to its end. The error says which promise was broken, and shows the machine.
+/// Runs the machine of this seed to its end. The error names the broken guarantee, and shows the machine.
 pub fn simulate(seed: u64, width: Width) -> Result<Report, String> {
     let mut random = Random::new(seed);
     let handlers = random.percent(50);
@@ -63,24 +63,24 @@ pub fn simulate(seed: u64, width: Width) -> Result<Report, String> {
 pub(crate) struct World {
     pub(crate) engine: Engine<Value>,
     pub(crate) random: Random,
-    /// Decides about what could not happen in the first world, so that all else stays as it is there.
+    /// Random numbers for events that the first world does not have, so that all others stay unchanged.
     pub(crate) wide: Option<Random>,
     pub(crate) watch: Watch,
     pub(crate) out: Outbox<Value>,
-    /// Whether it goes by another machine than at its start.
+    /// True if the machine has changed since the start.
     pub(crate) has_changed: bool,
     pub(crate) mood: Mood,
-    /// Whether an earlier engine was lost.
+    /// True if an earlier engine was lost.
     pub(crate) was_resumed: bool,
-    /// The machine that runs.
+    /// The machine of the run.
     pub(crate) machine: Machine,
-    /// The machine and the program that were given last; they may wait.
+    /// The last machine and program sent to the engine; they may still wait.
     pub(crate) latest: (Machine, Arc<Program<Value>>),
-    /// Numbers for new states.
+    /// Number for the next new state.
     pub(crate) fresh: u32,
     /// Moments of the past.
     moments: Vec<ActiveStateData<Value>>,
-    /// A frame that has given its result.
+    /// A frame that has already returned its result.
     pub(crate) stale: Option<FrameId>,
 }
 
@@ -106,12 +106,12 @@ impl World {
         }
     }
 
-    /// True in so many of a hundred cases; never in the first world.
+    /// True with a probability of `percent` percent; never in the first world.
     pub(crate) fn chance(&mut self, percent: usize) -> bool {
         self.wide.as_mut().is_some_and(|random| random.percent(percent))
     }
 
-    /// From start to end: at random, then a stop, and if handlers continue for long, a second one.
+    /// Drives the run to its end: random inputs, a stop, and a second stop if handlers run for long.
     fn live(&mut self, handlers: bool) -> Checked {
         let start =
             if self.mood.likes(Like::BeginningAgain) { self.start() } else { Start::default() };
@@ -148,7 +148,7 @@ impl World {
         self.end()
     }
 
-    /// Everything that is held may continue, and every condition is answered.
+    /// Releases all held branches, and answers all conditions.
     fn let_go(&mut self) -> Checked {
         for _ in 0..INPUTS_AFTER_STOP {
             match self.engine.status() {
@@ -178,7 +178,7 @@ impl World {
         if self.is_over() { Ok(()) } else { self.feed(Input::Stop) }
     }
 
-    /// What must hold when the run is over.
+    /// Invariants after the end of the run.
     fn end(&mut self) -> Checked {
         promise(self.is_over(), "all scripts have ended, and the run has not")?;
         self.watch.end()?;
@@ -254,7 +254,7 @@ impl World {
         Ok(())
     }
 
-    /// A command that may be out of place, and then changes nothing. Whether it was taken.
+    /// Sends a command that may be refused without effect. Returns true if it was accepted.
     fn try_out(&mut self, input: Input<Value>) -> Result<bool, String> {
         let before = (self.engine.status(), self.engine.snapshot());
         self.say(&input);
@@ -284,7 +284,7 @@ impl World {
         self.watch.line(line);
     }
 
-    /// The answer to a condition, which may come too late.
+    /// Answers a condition, perhaps too late.
     fn answer(&mut self) -> Checked {
         let Some(check) = self.watch.checks.pop() else { return Ok(()) };
         let result = match self.random.below(10) {
@@ -320,7 +320,7 @@ impl World {
         Ok(())
     }
 
-    /// Keeps the moment, or goes back to an earlier one.
+    /// Saves the current moment, or restores an earlier one.
     fn go_back(&mut self) -> Checked {
         if self.moments.len() < 4 && self.random.percent(40) {
             self.moments.extend(self.engine.configuration());
@@ -353,14 +353,14 @@ impl World {
         self.feed(Input::Finished { frame: job.frame, result })
     }
 
-    /// An input that must be taken.
+    /// Sends an input that must be accepted.
     pub(crate) fn feed(&mut self, input: Input<Value>) -> Checked {
         self.say(&input);
         self.handle(input).map_err(|refusal| format!("refused: {refusal}"))?;
         self.take()
     }
 
-    /// Takes the answer and checks it.
+    /// Receives the output and checks it.
     pub(crate) fn take(&mut self) -> Checked {
         let out = std::mem::take(&mut self.out);
         self.watch.take(out, &self.engine)?;
@@ -375,7 +375,7 @@ impl World {
     }
 }
 
-/// What a script gives back.
+/// A random result of a script.
 pub(crate) fn result(random: &mut Random, job: &Job<Value>) -> ScriptResult<Value> {
     let returned = match random.below(20) {
         0 => Returned::Raised,
