@@ -1,5 +1,5 @@
-//! The page in a browser without a GPU: its speed (frames, opening, edits, memory, runs), a long watch of a run, and its pictures
-//! for the documents. What is measured how stands in `web/bench`.
+//! The page in a browser without a GPU: its speed (frames, opening, edits, memory, runs), a long watch of a run, and its
+//! pictures for the documents. `web/bench` contains the measurements.
 
 use std::process::Command;
 
@@ -8,7 +8,7 @@ use anyhow::Result;
 use crate::product::{Product, Profile};
 use crate::{process, web, workspace};
 
-/// What `cargo xtask bench-web` can be asked for.
+/// Options of `cargo xtask bench-web`.
 #[derive(clap::Args)]
 pub(crate) struct BenchWebOptions {
     /// Print one JSON object a line instead of a table.
@@ -16,13 +16,13 @@ pub(crate) struct BenchWebOptions {
     json: bool,
 }
 
-/// What `cargo xtask soak-web` can be asked for.
+/// Options of `cargo xtask soak-web`.
 #[derive(clap::Args)]
 pub(crate) struct Watch {
-    /// How many minutes the run is watched.
+    /// Duration of the watch in minutes.
     #[arg(long, default_value_t = 10.0)]
     minutes: f64,
-    /// How many states change in a second.
+    /// Number of states that change in a second.
     #[arg(long, default_value_t = 20)]
     rate: u32,
     /// Print one JSON object a line instead of a table.
@@ -30,7 +30,7 @@ pub(crate) struct Watch {
     json: bool,
 }
 
-/// What the tests do of it: every event comes once.
+/// The watch of the tests, which check that every event arrives once.
 const BRIEFLY: Watch = Watch { minutes: 0.4, rate: 100, json: false };
 
 /// Builds page and program in release, and measures.
@@ -47,12 +47,12 @@ pub(crate) fn pictures() -> Result<()> {
     process::run(&mut released("pictures")?)
 }
 
-/// Builds page and program in release, and watches a mission of 750 states that does not end.
+/// Builds page and program in release, and watches an endless mission of 750 states.
 pub(crate) fn soak(options: &Watch) -> Result<()> {
     watch(released("soak")?, options)
 }
 
-/// Watches it briefly, with the page as it is built and a program that is there.
+/// Watches an endless mission briefly, with the built page and an existing program.
 pub(crate) fn soak_briefly(product: &Product) -> Result<()> {
     watch(program("soak", product)?, &BRIEFLY)
 }
@@ -73,7 +73,7 @@ fn released(name: &str) -> Result<Command> {
 
 /// One of the programs in `web/bench`, ready to be started.
 pub(crate) fn program(name: &str, product: &Product) -> Result<Command> {
-    // Beside the packages that it needs.
+    // Next to the packages that it needs.
     let bundle = workspace::path(format!("web/node_modules/.rafcon-{name}.mjs"));
     let source = format!("bench/{name}.ts");
     let mut bundler = web::program("rolldown")?;

@@ -1,10 +1,10 @@
-//! What continuous integration checks; `cargo xtask ci` is the same on any machine.
+//! The checks of continuous integration; `cargo xtask ci` runs them on any machine.
 
 use anyhow::Result;
 
 use crate::{process, ros_helper, test, tidy, web, zenoh};
 
-/// Everything but the tests: format, lints, layers, house rules, documentation.
+/// All checks except the tests: format, lints, layers, house rules, documentation.
 pub(crate) fn lint() -> Result<()> {
     process::run(process::cargo().args(["fmt", "--all", "--check"]))?;
     zenoh::lint()?;

@@ -1,4 +1,4 @@
-//! The demonstration: a generated mission of the size of a real one, in the page, or run live in this terminal.
+//! The demonstration: a generated mission of realistic size, in the page, or live in this terminal.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
@@ -9,10 +9,10 @@ use anyhow::{Context as _, Result, bail};
 use crate::product::{Product, Profile};
 use crate::{link_demo, process, ros_helper, test, web, workspace};
 
-/// What `cargo xtask demo` can be asked for.
+/// Options of `cargo xtask demo`.
 #[derive(clap::Args)]
 pub(crate) struct DemoOptions {
-    /// How many states the mission has.
+    /// Number of states in the mission.
     #[arg(long, default_value_t = 750)]
     states: u32,
     /// Run the mission live in this terminal instead of showing it in a browser.
@@ -21,7 +21,7 @@ pub(crate) struct DemoOptions {
     /// Show the mission from a station over a bad link, with a page that makes the link better and worse.
     #[arg(long, conflicts_with = "terminal")]
     link: bool,
-    /// Print the page's address only, and leave the browser alone.
+    /// Only print the page's address, without opening a browser.
     #[arg(long)]
     quiet: bool,
 }
@@ -63,7 +63,7 @@ pub(crate) fn run(options: &DemoOptions) -> Result<()> {
     serve(&product.binary, &missions, options.quiet)
 }
 
-/// Serves the missions and copies of the examples, until it is ended.
+/// Serves the missions and copies of the examples, until it is stopped.
 fn serve(rafcon: &Path, missions: &Path, quiet: bool) -> Result<()> {
     let examples = examples(missions)?;
     let libraries = examples.join("libraries");
@@ -91,7 +91,7 @@ fn serve(rafcon: &Path, missions: &Path, quiet: bool) -> Result<()> {
     Ok(())
 }
 
-/// Copies of the examples, which the user may change as they like; those of an earlier time stay.
+/// Copies of the examples, which the user may change freely. Existing copies are kept.
 fn examples(missions: &Path) -> Result<PathBuf> {
     let folder = missions.join("examples");
     if !folder.exists() {
@@ -100,7 +100,7 @@ fn examples(missions: &Path) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Shows an address in the browser, where there is one. Who has none copies the address.
+/// Opens an address in the browser, if possible. Otherwise the user copies the address.
 pub(crate) fn open(link: &str) {
     let mut opener = process::command("xdg-open");
     let opener = opener.arg(link).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());

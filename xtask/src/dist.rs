@@ -1,5 +1,6 @@
-//! What a user installs: an archive with binary (which carries the page), extension, `rafcon-ros`, examples, libraries and the
-//! package of ROS whose types the bridge uses, and a Python wheel. The debugging symbols of the archive's programs are packed apart.
+//! Packages for users: an archive and a Python wheel. The archive contains the binary with the page, the extension,
+//! `rafcon-ros`, examples, libraries, and the ROS package with the types of the bridge. The debugging symbols of its
+//! programs are packed separately.
 
 use std::path::{Path, PathBuf};
 
@@ -10,13 +11,13 @@ use crate::{process, python, ros_helper, web, workspace};
 
 const MATURIN: python::Contents = python::Contents { bare: &[], full: &["maturin>=1.9,<2"] };
 
-/// The papers that go with the programs.
+/// Documents in the archive.
 const PAPERS: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
-/// The folders that go with them, under their names here.
+/// Folders in the archive, by their names in the repository.
 const FOLDERS: [&str; 3] = ["examples", "libraries", "ros/rafcon_msgs"];
 
-/// Packs both into `dist` below the target folder.
+/// Packs archive and wheel into `dist` below the target folder.
 pub(crate) fn run() -> Result<()> {
     web::build()?;
     let product = Product::build(Profile::Symbols)?;
@@ -54,7 +55,7 @@ fn archive(product: &Product, helper: &Path, folder: &Path) -> Result<()> {
     pack(&symbols)
 }
 
-/// A folder that is there and empty.
+/// An existing, empty folder.
 fn emptied(folder: PathBuf) -> Result<PathBuf> {
     if folder.exists() {
         std::fs::remove_dir_all(&folder)
@@ -64,7 +65,8 @@ fn emptied(folder: PathBuf) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Copies a program without its symbols, which go into `symbols` under its name; a debugger finds them by the link in the program.
+/// Copies a program without its symbols, which go into `symbols` under its name. Debuggers find them by the link in the
+/// program.
 fn split(program: &Path, to: &Path, symbols: &Path) -> Result<()> {
     let name = to.file_name().context("a program has a name")?.to_string_lossy();
     let kept = symbols.join(format!("{name}.debug"));
@@ -75,7 +77,7 @@ fn split(program: &Path, to: &Path, symbols: &Path) -> Result<()> {
     process::run(objcopy().arg("--strip-unneeded").arg(link).arg(program).arg(to))
 }
 
-/// Packs a folder into an archive beside it.
+/// Packs a folder into an archive next to it.
 fn pack(folder: &Path) -> Result<()> {
     let (Some(around), Some(name)) = (folder.parent(), folder.file_name()) else {
         anyhow::bail!("{} is no folder to pack", folder.display());
@@ -87,7 +89,7 @@ fn pack(folder: &Path) -> Result<()> {
     process::run(tar.arg(name))
 }
 
-/// The wheel carries extension and Python package; its import name is `rafcon`.
+/// The wheel with extension and Python package; its import name is `rafcon`.
 fn wheel(folder: &Path) -> Result<()> {
     let environment = workspace::target()?.join("dist-venv");
     let python = python::environment(&python::default()?, &environment, MATURIN)?;
@@ -119,7 +121,7 @@ mod tests {
     use super::FOLDERS;
     use crate::workspace;
 
-    /// Whoever sends goals to `run_machine` builds this package: it must be whole.
+    /// Clients that send goals to `run_machine` build this package, so it must be complete.
     #[test]
     fn the_package_of_ros_is_packed_with_all_its_interfaces() {
         let packed = FOLDERS.iter().flat_map(|folder| workspace::files(folder).unwrap());

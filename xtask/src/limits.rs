@@ -1,5 +1,5 @@
-//! The long tests at the limits, and their figures against the promised ones: many short runs of one robot, edits between kills,
-//! silent strangers, doubled signals, values of every kind.
+//! Long tests at the limits, with their figures and bars: many short runs of one robot, edits between kills, silent
+//! strangers, doubled signals, values of every kind.
 
 use std::process::Command;
 
@@ -99,7 +99,7 @@ fn values(count: &str, product: &Product) -> Result<Command> {
     Ok(python)
 }
 
-/// The figures among the lines that a test printed.
+/// The figures in the output of a test.
 fn figures(output: &str) -> Vec<(String, f64)> {
     let lines = output.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     lines

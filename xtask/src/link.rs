@@ -10,28 +10,29 @@ use anyhow::{Context as _, Result, ensure};
 use crate::product::{Product, Profile};
 use crate::{bench_web, process, web, workspace};
 
-/// What `cargo xtask spacebotcamp` can be asked for.
+/// Options of `cargo xtask spacebotcamp`.
 #[derive(clap::Args)]
 pub(crate) struct SpacebotcampOptions {
-    /// How many worlds are simulated.
+    /// Number of simulated worlds.
     #[arg(long, default_value_t = 100)]
     seeds: u64,
     /// The first seed.
     #[arg(long, default_value_t = 0)]
     from: u64,
-    /// Instead of that: once, in real time, with real programs, operators and a browser.
+    /// Run once in real time instead, with real programs, operators and a browser.
     #[arg(long)]
     real: bool,
-    /// How long that takes; what happens in the hour is scaled.
+    /// Duration in minutes; the events of the hour are scaled.
     #[arg(long, default_value_t = 60.0, requires = "real")]
     minutes: f64,
-    /// How many stations the robot has then: 1, or 3, of which one comes late.
+    /// Number of stations of the robot: 1, or 3, of which one joins late.
     #[arg(long, default_value_t = 3, requires = "real")]
     stations: u8,
-    /// Only how long a page takes that is opened on the far side of a link of 64 kbit/s, through two real kernels; needs root.
+    /// Measure only the opening of a page on the far side of a link of 64 kbit/s, through two real kernels; needs root.
     #[arg(long, requires = "real")]
     far: bool,
-    /// Only some minutes over each link of `web/bench/link/links.json`, or over those with these names, separated by commas.
+    /// Run only for some minutes over each link of `web/bench/link/links.json`, or over those with these names, separated
+    /// by commas.
     #[arg(long, requires = "real", num_args = 0..=1, default_missing_value = "")]
     links: Option<String>,
     /// Print each figure as a line of JSON.
@@ -39,7 +40,7 @@ pub(crate) struct SpacebotcampOptions {
     json: bool,
 }
 
-/// Prints the table of the link, or the first seed that broke a promise; fails if a bar is missed.
+/// Prints the table of the link, or the first seed with a broken invariant; fails if a bar is missed.
 pub(crate) fn spacebotcamp(options: &SpacebotcampOptions) -> Result<()> {
     if options.real {
         return really(options);
@@ -65,20 +66,20 @@ fn really(options: &SpacebotcampOptions) -> Result<()> {
     process::run(camp.args(options.json.then_some("--json")))
 }
 
-/// What `cargo xtask link-proxy` can be asked for.
+/// Options of `cargo xtask link-proxy`.
 #[derive(clap::Args)]
 pub(crate) struct LinkProxyOptions {
-    /// What the proxy is to do; `--help` after `--` lists it.
+    /// Arguments of the proxy; `--help` after `--` lists them.
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     words: Vec<String>,
 }
 
-/// Carries datagrams between a robot and a station, badly, until it is ended.
+/// Carries datagrams between a robot and a station with faults, until it is stopped.
 pub(crate) fn link_proxy(options: &LinkProxyOptions) -> Result<()> {
     process::run(process::command(proxy()?).args(&options.words))
 }
 
-/// The bad link, built.
+/// Builds the proxy.
 pub(crate) fn proxy() -> Result<PathBuf> {
     let build =
         ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy"];
@@ -86,7 +87,7 @@ pub(crate) fn proxy() -> Result<PathBuf> {
     Ok(workspace::target()?.join("release/examples/link_proxy"))
 }
 
-/// Pairs a robot with a station; each program is the one of its computer.
+/// Pairs a robot with a station. Each command runs the program of one computer.
 pub(crate) fn pair(mut robot: Command, mut station: Command) -> Result<()> {
     let line = process::quiet(robot.args(["pair", "scout"]))?;
     let paste = station.args(["pair", "--paste"]).stdin(Stdio::piped()).stdout(Stdio::null());
@@ -96,7 +97,7 @@ pub(crate) fn pair(mut robot: Command, mut station: Command) -> Result<()> {
     Ok(())
 }
 
-/// An address of this computer for datagrams that no one uses.
+/// A free address of this computer for datagrams.
 pub(crate) fn free_address() -> Result<String> {
     Ok(UdpSocket::bind("127.0.0.1:0")?.local_addr()?.to_string())
 }

@@ -1,4 +1,5 @@
-//! The demonstration of the link: a robot with a mission, its station, and a page with a slider for the link between them.
+//! The demonstration of the link: a robot with a mission, its station, and a page with a slider for the quality of the
+//! link.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -12,10 +13,11 @@ use anyhow::{Context as _, Result};
 use crate::product::{Product, Profile};
 use crate::{demo, link, process, web, workspace};
 
-/// The robot's run is at the station after this time at the latest.
+/// Timeout for the robot's run to appear at the station.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// Builds everything, starts robot, bad link and station, and shows the station's page and that of the link, until it is ended.
+/// Builds everything, starts robot, proxy and station, and opens the station's page and the proxy's page, until it is
+/// stopped.
 pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     web::build()?;
     let hosts = DemoHosts::new(Product::build(Profile::Release)?)?;
@@ -26,7 +28,7 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
     let mut station = hosts.command("station");
     let mut station = Program::begin(station.args(["station", "--listen", &address]).args(SERVER))?;
     let at_station = station.line()?;
-    // So that the page opens in mission control.
+    // Opens the page in mission control.
     let page = format!("{at_station}&layout=mission");
     let mut proxy = process::command(proxy);
     proxy.args(["--listen", "127.0.0.1:0", "--to", &address, "--page", "127.0.0.1:0"]);
@@ -46,7 +48,7 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
         demo::open(&page);
         demo::open(&slider);
     }
-    // The robot's mission begins anew whenever it is over.
+    // Restart the robot's mission whenever it ends.
     loop {
         running.wait()?;
         running = hosts.run(&mission)?;
@@ -55,7 +57,7 @@ pub(crate) fn run(states: u32, quiet: bool) -> Result<()> {
 
 const SERVER: [&str; 4] = ["--bind", "127.0.0.1:0", "--link", "delay-2s"];
 
-/// A program; killed when this is dropped.
+/// A program that is killed on drop.
 struct Program {
     child: Child,
     lines: Box<dyn Iterator<Item = std::io::Result<String>>>,
@@ -71,7 +73,7 @@ impl Program {
         Ok(Self { child, lines })
     }
 
-    /// The next line that it prints.
+    /// The next line of its output.
     fn line(&mut self) -> Result<String> {
         Ok(self.lines.next().context("a program ended at once")??)
     }
@@ -93,20 +95,20 @@ impl Program {
 
 impl Drop for Program {
     fn drop(&mut self) {
-        // One that ended by itself is as gone as it should be.
+        // The program may have ended by itself.
         drop(self.child.kill());
         drop(self.child.wait());
     }
 }
 
-/// Robot and station, each with a folder of its own for everything.
+/// Robot and station, each with its own folder.
 struct DemoHosts {
     product: Product,
     folder: PathBuf,
 }
 
 impl DemoHosts {
-    /// In an empty folder.
+    /// Hosts in an empty folder.
     fn new(product: Product) -> Result<Self> {
         let folder = workspace::target()?.join("demo-link");
         if folder.exists() {
@@ -131,13 +133,13 @@ impl DemoHosts {
         Ok(mission)
     }
 
-    /// Begins the mission, at the pace of a real one.
+    /// Starts the mission at a realistic pace.
     fn run(&self, mission: &Path) -> Result<Program> {
         let mut run = self.command("robot");
         Program::begin(run.arg("run").arg(mission).args(["--input", "time_scale=1"]))
     }
 
-    /// The run, once the station knows it.
+    /// Id of the run, once the station has received it.
     fn run_at_station(&self) -> Result<String> {
         let runs = self.folder.join("station/runs");
         for _ in 0..PATIENCE.as_secs() * 4 {

@@ -1,7 +1,7 @@
-//! Building, checking, measuring and packing this repository: one module a command.
+//! Building, checking, measuring and packing this repository: one module per command.
 //!
-//! Knows the repository's layout and which programs to start. Never links one of the crates: it sees them as anyone
-//! outside does, through cargo, the `rafcon` binary and files.
+//! Knows the repository's layout and its programs. Never links one of the crates: it uses them from outside, through cargo,
+//! the `rafcon` binary and files.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -46,55 +46,56 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Task {
-    /// All that continuous integration checks: `lint`, then `test`.
+    /// Run all checks of continuous integration: `lint`, then `test`.
     Ci,
     /// Check format, lints, layers, house rules and documentation.
     Lint,
     /// Run all tests, setting up what they need.
     Test(test::TestOptions),
-    /// Run the same machines in the reference and here, and compare.
+    /// Run machines in the reference and here, and compare the results.
     Conformance(conformance::ConformanceOptions),
-    /// Measure speed and memory, against what we promise and against the reference.
+    /// Measure speed and memory, and compare them with our bars and with the reference.
     Bench(bench::BenchOptions),
-    /// Measure the speed of the page in a browser, against what we promise.
+    /// Measure the speed of the page in a browser, and compare it with our bars.
     BenchWeb(bench_web::BenchWebOptions),
-    /// Watch a run in the page for long: memory stays, every event comes once, frames keep their pace.
+    /// Watch a long run in the page: memory stays constant, every event arrives once, and frames keep their rate.
     SoakWeb(bench_web::Watch),
-    /// Take the pictures of the page that stand in `docs/pictures`.
+    /// Take the pictures of the page in `docs/pictures`.
     Pictures,
-    /// Build everything and show a generated mission: in the page, or run live in this terminal.
+    /// Build everything and show a generated mission, in the page or live in this terminal.
     Demo(demo::DemoOptions),
     /// Pack an archive and a wheel.
     Dist,
-    /// Run random machines through random orders, and watch that the engine keeps its promises.
+    /// Run random machines with random inputs, and check the guarantees of the engine.
     Simulate(long_tests::SimulateOptions),
     /// Run robots and stations over a bad link, in virtual time or in real time, and print the gate's table.
     Spacebotcamp(link::SpacebotcampOptions),
-    /// Be a bad network between a robot and a station.
+    /// Simulate a bad network between a robot and a station.
     LinkProxy(link::LinkProxyOptions),
-    /// Measure how long plans take, against the promised figures.
+    /// Measure the duration of planning, and compare it with our bars.
     Planner(planner::PlannerOptions),
-    /// Carry the same events over the same bad link by the link, Zenoh, QUIC and plain datagrams, and compare.
+    /// Carry events over a bad link by the link, Zenoh, QUIC and plain datagrams, and compare the results.
     LinkCompare(zenoh::LinkCompareOptions),
-    /// Build and test `rafcon-zenoh`, which lies in a workspace of its own.
+    /// Build and test `rafcon-zenoh`, which has a workspace of its own.
     Zenoh,
-    /// Test and measure `rafcon.ros` against nodes of others, of two distributions of ROS 2.
+    /// Test and measure `rafcon.ros` against foreign nodes of two distributions of ROS 2.
     Ros(ros::RosOptions),
-    /// Build, lint and test `rafcon-ros`, which lies in a workspace of its own.
+    /// Build, lint and test `rafcon-ros`, which has a workspace of its own.
     RosHelper,
-    /// Reach the limits: 100,000 short runs at a station, edits between kills, strangers, signals, values; print the figures.
+    /// Test the limits: 100,000 short runs at a station, edits between kills, strangers, signals, values; print the
+    /// figures.
     Limits(limits::LimitsOptions),
-    /// Do for long what the tests do briefly: random runs of the engine, saves that are killed, a server's clients.
+    /// Run long versions of the tests: random runs of the engine, killed saves, clients of a server.
     Soak(long_tests::SoakOptions),
-    /// Damage files of runs, and check that what is read of them is true or said to be damaged.
+    /// Damage files of runs, and check that all data read from them is correct or reported as damaged.
     Corrupt(long_tests::CorruptOptions),
-    /// Kill runners and servers in the middle of a run, and take the runs up again.
+    /// Kill runners and servers in the middle of a run, and resume the runs.
     Torture(long_tests::TortureOptions),
-    /// Build the page, which `rafcon serve` hands out and a release build carries; or check its sources.
+    /// Build the page, which `rafcon serve` serves and a release build contains; or check its sources.
     Web(web::WebOptions),
-    /// Write what is generated from the words of the server: `OpenAPI` and TypeScript.
+    /// Write the files generated from the server's types: `OpenAPI` and TypeScript.
     Types(types::TypesOptions),
-    /// Check what neither compiler nor lints see: module docs, sizes, named tests, links, generated files.
+    /// Check rules beyond compiler and lints: module docs, sizes, named tests, links, generated files.
     Tidy(tidy::TidyOptions),
 }
 

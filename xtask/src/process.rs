@@ -1,4 +1,4 @@
-//! Starting other programs, with an error that names the command.
+//! Execution of other programs, with errors that name the command.
 
 use std::ffi::OsStr;
 use std::process::{Command, Stdio};
@@ -10,19 +10,19 @@ use anyhow::{Context as _, Result, bail};
 
 use crate::workspace;
 
-/// A command that starts in the repository's root.
+/// A command that runs in the repository's root.
 pub(crate) fn command(program: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(program);
     command.current_dir(workspace::root());
     command
 }
 
-/// The cargo that started us.
+/// The cargo that started this program.
 pub(crate) fn cargo() -> Command {
     command(option_env!("CARGO").unwrap_or("cargo"))
 }
 
-/// Shows the command, runs it on this terminal, fails unless it succeeds.
+/// Prints the command and runs it on this terminal; fails unless it succeeds.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     eprintln!("\n$ {}", shown(command));
     let status = command.status().with_context(|| format!("cannot start `{}`", shown(command)))?;
@@ -32,7 +32,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs the command quietly and returns what it printed; its errors go to this terminal.
+/// Runs the command and returns its output; its errors go to this terminal.
 pub(crate) fn text(command: &mut Command) -> Result<String> {
     let output = command.stderr(Stdio::inherit()).output();
     let output = output.with_context(|| format!("cannot start `{}`", shown(command)))?;
@@ -43,7 +43,7 @@ pub(crate) fn text(command: &mut Command) -> Result<String> {
         .with_context(|| format!("`{}` printed text that is not UTF-8", shown(command)))
 }
 
-/// Runs the command and returns what it printed; what it said besides is shown only if it fails.
+/// Runs the command and returns its output; its error output is shown only if it fails.
 pub(crate) fn quiet(command: &mut Command) -> Result<String> {
     let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
     if !output.status.success() {
@@ -53,7 +53,7 @@ pub(crate) fn quiet(command: &mut Command) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs the command and returns what it printed and its exit code: for programs whose code is an answer.
+/// Runs the command and returns its output and exit code, for programs whose code is a result.
 pub(crate) fn answer(command: &mut Command) -> Result<(String, Option<i32>)> {
     let output = command.output().with_context(|| format!("cannot start `{}`", shown(command)))?;
     if output.stdout.is_empty() {
@@ -68,7 +68,7 @@ fn shown(command: &Command) -> String {
     words.map(OsStr::to_string_lossy).collect::<Vec<_>>().join(" ")
 }
 
-/// Does the work for each item, so many at a time; the results in the order of the items.
+/// Runs the work for each item, at most `at_once` in parallel. Returns the results in the order of the items.
 pub(crate) fn side_by_side<T: Sync, R: Send>(
     items: &[T],
     at_once: usize,

@@ -1,4 +1,4 @@
-//! What a build makes: the `rafcon` binary and, beside it, the extension that a Python interpreter loads.
+//! The products of a build: the `rafcon` binary and, next to it, the extension for Python interpreters.
 
 use std::path::PathBuf;
 
@@ -6,19 +6,19 @@ use anyhow::Result;
 
 use crate::{process, workspace};
 
-/// How it is built.
+/// Build profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Profile {
-    /// Quick to build, for tests.
+    /// Fast to build, for tests.
     Debug,
-    /// Quick to run, for figures and users.
+    /// Fast to run, for measurements and users.
     Release,
-    /// The same with debugging symbols, to be packed.
+    /// Release with debugging symbols, for packages.
     Symbols,
 }
 
 impl Profile {
-    /// As cargo calls it.
+    /// Name of the profile in cargo.
     fn name(self) -> &'static str {
         match self {
             Self::Debug => "dev",
@@ -38,8 +38,8 @@ pub(crate) struct Product {
 }
 
 impl Product {
-    /// Builds the program and the extension. A debug build includes tests and examples: with the features that they need, each
-    /// dependency is compiled once for all.
+    /// Builds the program and the extension. A debug build includes tests and examples, so that each dependency is compiled
+    /// only once, with the features for all of them.
     pub(crate) fn build(profile: Profile) -> Result<Self> {
         let mut cargo = process::cargo();
         cargo.args(["build", "--profile", profile.name()]);
@@ -55,7 +55,7 @@ impl Product {
         Self::built(profile)
     }
 
-    /// What an earlier build made.
+    /// The products of an earlier build.
     pub(crate) fn built(profile: Profile) -> Result<Self> {
         let folder = workspace::target()?.join(match profile {
             Profile::Debug => "debug",

@@ -1,4 +1,4 @@
-//! Python on this machine: the interpreters that are found, and virtual environments below the target folder.
+//! Python on this machine: installed interpreters, and virtual environments below the target folder.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -8,34 +8,34 @@ use anyhow::{Context as _, Result};
 
 use crate::process;
 
-/// The Python versions that the extension is tested with, as minor numbers of Python 3.
+/// Tested Python versions, as minor numbers of Python 3.
 const MINORS: std::ops::RangeInclusive<u32> = 9..=14;
 
-/// An interpreter that starts.
+/// A working interpreter.
 #[derive(Debug, Clone)]
 pub(crate) struct Interpreter {
-    /// Such as `3.11`.
+    /// Version, such as `3.11`.
     pub(crate) version: String,
-    /// The program itself, never a shim.
+    /// Path of the program itself, never of a shim.
     pub(crate) program: PathBuf,
 }
 
-/// What a virtual environment holds; pip is asked only when this text changes.
+/// Packages of a virtual environment; pip runs only when this list changes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Contents {
-    /// Installed without what they ask for.
+    /// Packages to install without their dependencies.
     pub(crate) bare: &'static [&'static str],
-    /// Installed with what they ask for.
+    /// Packages to install with their dependencies.
     pub(crate) full: &'static [&'static str],
 }
 
-/// The interpreter that a user gets by `python3`.
+/// The interpreter that `python3` starts.
 pub(crate) fn default() -> Result<Interpreter> {
     probe("python3".as_ref())
         .context("no `python3` on the path: install Python 3.9 or newer, with venv")
 }
 
-/// One interpreter for each Python version found on the path or among pyenv's versions.
+/// One interpreter for each Python version found in the path or among pyenv's versions.
 pub(crate) fn all() -> Vec<Interpreter> {
     MINORS.filter_map(|minor| candidates(minor).iter().find_map(|program| probe(program))).collect()
 }
@@ -58,7 +58,7 @@ fn pyenv() -> Option<PathBuf> {
     std::env::var_os("PYENV_ROOT").map(PathBuf::from).or_else(home)
 }
 
-/// Asks the program for its version; nothing if it does not start or is a free-threaded build.
+/// Queries the version of the program; `None` if it does not start or is a free-threaded build.
 fn probe(program: &Path) -> Option<Interpreter> {
     let question = "import sys; free = getattr(sys, '_is_gil_enabled', lambda: True)() is False; \
                     print('%d.%d' % sys.version_info[:2], free, sys.executable)";
@@ -74,7 +74,7 @@ fn probe(program: &Path) -> Option<Interpreter> {
         .then(|| Interpreter { version: version.to_owned(), program: PathBuf::from(program) })
 }
 
-/// The Python of a virtual environment in `folder`, made and filled where that has not been done yet.
+/// The Python of a virtual environment in `folder`, which is created and filled if necessary.
 pub(crate) fn environment(
     base: &Interpreter,
     folder: &Path,
@@ -101,7 +101,7 @@ fn install(python: &Path, options: &[&str], packages: &[&str]) -> Result<()> {
     process::run(process::command(python).args(pip).args(options).args(packages))
 }
 
-/// The unpacked source distribution of a package, below `folder`; fetched where that has not been done yet.
+/// The unpacked source distribution of a package below `folder`, downloaded if necessary.
 pub(crate) fn sources(
     base: &Interpreter,
     folder: &Path,
@@ -121,7 +121,7 @@ pub(crate) fn sources(
     Ok(unpacked)
 }
 
-/// A command of this Python that neither reads nor leaves anything outside: no user site, no byte code in the sources.
+/// A command of this Python in isolation: no user site, and no byte code in the sources.
 pub(crate) fn command(python: &Path) -> Command {
     let mut command = process::command(python);
     command

@@ -7,13 +7,13 @@ use anyhow::{Context as _, Result};
 
 use crate::{process, python, workspace};
 
-/// The reference without its desktop packages, plus what its core needs.
+/// The reference without its desktop packages, plus the dependencies of its core.
 const CONTENTS: python::Contents = python::Contents {
     bare: &["rafcon==2.5.2"],
     full: &["jsonconversion<2", "yaml_configuration", "PyYAML", "psutil<6", "packaging", "numpy"],
 };
 
-/// The reference, ready to be started.
+/// The installed reference.
 #[derive(Debug)]
 pub(crate) struct Reference {
     /// The interpreter of its virtual environment.
@@ -23,7 +23,7 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    /// Installs the reference below the target folder, unless it is there already.
+    /// Installs the reference below the target folder, if it is missing.
     pub(crate) fn installed() -> Result<Self> {
         let folder = workspace::target()?.join("reference-venv");
         let python = python::environment(&python::default()?, &folder, CONTENTS)?;

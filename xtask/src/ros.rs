@@ -1,6 +1,7 @@
-//! `rafcon.ros` against programs of others: nodes of plain `rclpy` from two distributions of ROS 2, which come as Python packages.
+//! Tests of `rafcon.ros` against foreign programs: nodes of plain `rclpy` from two distributions of ROS 2, installed as
+//! Python packages.
 //!
-//! The packages of a distribution take 250 MB, and a minute to install; so CI does not run this.
+//! The packages of a distribution take 250 MB, and a minute to install, so CI does not run this.
 
 mod table;
 
@@ -17,13 +18,13 @@ use crate::{process, python, ros_helper, workspace};
 
 use self::table::Table;
 
-/// A distribution, with what its peers are made of.
+/// A distribution, with the packages of its peers.
 struct Distribution {
     name: &'static str,
     contents: python::Contents,
 }
 
-/// A package that the generators of interfaces import without naming it.
+/// A package that the interface generators import without declaring it.
 const GENERATORS: &str = "catkin_pkg==1.1.1";
 
 const DISTRIBUTIONS: [Distribution; 2] = [
@@ -59,38 +60,38 @@ const DISTRIBUTIONS: [Distribution; 2] = [
     },
 ];
 
-/// What a command runs in: loopback only, so that nothing in the neighbourhood hears or disturbs it.
+/// Network setup of a command: only loopback, so that neighbours neither receive its messages nor disturb it.
 const ALONE: &str = "ip link set lo up && ip link set lo multicast on && exec \"$@\"";
 
 /// The back ends, each tested and measured with each distribution.
 const BACKENDS: [&str; 2] = ["rclpy", "native"];
 
-/// What `cargo xtask ros` can be asked for.
+/// Options of `cargo xtask ros`.
 #[derive(clap::Args)]
 pub(crate) struct RosOptions {
     /// Print each figure as a line of JSON.
     #[arg(long)]
     json: bool,
-    /// Measure only; the tests take some minutes more.
+    /// Measure only; the tests take some more minutes.
     #[arg(long)]
     no_tests: bool,
-    /// Test only; the figures take some minutes more.
+    /// Test only; the figures take some more minutes.
     #[arg(long, conflicts_with = "no_tests")]
     no_figures: bool,
-    /// So many of each kind: messages, calls, goals, preemptions.
+    /// Number of repetitions of each kind: messages, calls, goals, preemptions.
     #[arg(long, default_value_t = 1000)]
     count: u32,
-    /// With one distribution only.
+    /// Use one distribution only.
     #[arg(long, value_parser = ["jazzy", "kilted"])]
     distribution: Option<String>,
-    /// With one back end only.
+    /// Use one back end only.
     #[arg(long, value_parser = BACKENDS)]
     backend: Option<String>,
 }
 
 /// Tests against both distributions with both back ends, measures, and fails if a test fails or a bar is missed.
 pub(crate) fn run(options: &RosOptions) -> Result<()> {
-    // Figures are of what users have.
+    // Measure the build that users have.
     let profile = if options.no_figures { Profile::Debug } else { Profile::Release };
     let product = Product::build(profile)?;
     let helper = ros_helper::build(profile)?;
@@ -129,7 +130,7 @@ pub(crate) fn run(options: &RosOptions) -> Result<()> {
     Ok(())
 }
 
-/// Tells how many cells of the table failed; writes the table where all of it was tested.
+/// Reports the number of failed cells of the table; writes the table if all of it was tested.
 fn tell(table: &Table, options: &RosOptions, missed: &mut Vec<String>) -> Result<()> {
     table.failures().iter().for_each(|failure| eprintln!("{failure}"));
     report(["all", "all"], &table.figure().to_string(), options.json, missed)?;
@@ -147,7 +148,7 @@ fn venv(of: &Distribution) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Makes the types of the tests known to an environment, unless they are.
+/// Generates the types of the tests in an environment, if they are missing.
 fn generate(folder: &Path, python: &Path) -> Result<()> {
     let (stamp, program) = (folder.join("types.txt"), format!("{FOLDER}/generate.py"));
     let types = workspace::path(FOLDER).join("types");
@@ -204,7 +205,7 @@ fn both(
     }
     let mut bars = side.python()?;
     bars.arg(format!("{FOLDER}/bars.py")).arg(options.count.to_string());
-    // One that cannot be measured must not hide the others.
+    // An error in the measurements must not hide the other results.
     match process::text(&mut bars) {
         Ok(text) => {
             for line in text.lines() {
@@ -219,14 +220,14 @@ fn both(
     Ok(())
 }
 
-/// Where the tests and their peers lie.
+/// Folder of the tests and their peers.
 const FOLDER: &str = "crates/python/tests/ros";
 
-/// Our side of a test: a back end, and what its peers are made of.
+/// Our side of a test: a back end, and the environment of its peers.
 struct Side<'a> {
-    /// The environment of our side, with the back end `rclpy`.
+    /// Environment of our side, with the back end `rclpy`.
     own: &'a Path,
-    /// That of the peers.
+    /// Environment of the peers.
     peers: &'a Path,
     backend: &'static str,
     helper: &'a Path,
@@ -234,7 +235,7 @@ struct Side<'a> {
 }
 
 impl Side<'_> {
-    /// A Python that has `rafcon` and this back end: with `native` one without `rclpy`.
+    /// A Python with `rafcon` and this back end; without `rclpy` for `native`.
     fn python(&self) -> Result<Command> {
         let [own, peer] = [self.own, self.peers].map(|folder| folder.join("bin/python"));
         let own = if self.backend == "rclpy" { own } else { python::default()?.program };
@@ -275,7 +276,7 @@ fn report(of: [&str; 2], line: &str, json: bool, missed: &mut Vec<String>) -> Re
     Ok(())
 }
 
-/// A Python in a network of its own, where the system lets users make one.
+/// A Python in a network namespace of its own, if the system permits users to make one.
 fn alone(python: &Path, product: &Product) -> Command {
     let possible = Command::new("unshare").args(["-rn", "true"]).status();
     let own = python::command(python);

@@ -1,6 +1,6 @@
-//! The program `rafcon-ros` of the workspace `ros/`, by which scripts use ROS without rclpy.
+//! The program `rafcon-ros` of the workspace `ros/`, through which scripts use ROS without rclpy.
 //!
-//! It is built with `RustDDS` as published but for the changes in [`changes`]. The changed copy lies in the target folder, never
+//! It is built with the published `RustDDS` and the changes in [`changes`]. The changed copy is in the target folder, never
 //! in the repository.
 
 mod changes;
@@ -18,14 +18,15 @@ use crate::{process, workspace};
 
 use self::changes::CHANGES;
 
-/// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
+/// The quick checks that run with all others: its format, and the existence of its lock file. Compiling it takes too long
+/// for that.
 pub(crate) fn lint() -> Result<()> {
     let lock = workspace::path("ros/Cargo.lock");
     ensure!(lock.exists(), "{} is missing: `cargo xtask ros-helper` writes it", lock.display());
     process::run(process::cargo().current_dir(workspace::path("ros")).args(["fmt", "--check"]))
 }
 
-/// Builds it and puts it beside `rafcon`.
+/// Builds it and copies it next to `rafcon`.
 pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
     let mut build = cargo("build")?;
     let kind = if profile == Profile::Debug { "debug" } else { "release" };
@@ -36,7 +37,7 @@ pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
         workspace::target()?.join(if profile == Profile::Symbols { "symbols" } else { kind });
     fs::create_dir_all(&beside)?;
     let (built, program) = (folder()?.join("target").join(kind).join(&name), beside.join(&name));
-    // One that runs keeps its file: it cannot be written to, but replaced.
+    // A running program locks its file against writes, but not against replacement.
     let new = program.with_extension("new");
     fs::copy(&built, &new)
         .and_then(|_| fs::rename(&new, &program))
@@ -44,7 +45,7 @@ pub(crate) fn build(profile: Profile) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Builds, lints and tests it by itself, for debug and release builds of `rafcon`; `cargo xtask ros` tests it with peers.
+/// Builds, lints and tests it separately, for debug and release builds of `rafcon`; `cargo xtask ros` tests it with peers.
 pub(crate) fn test() -> Result<()> {
     lint()?;
     process::run(cargo("clippy")?.args(["--all-targets", "--", "-D", "warnings"]))?;
@@ -56,7 +57,7 @@ fn folder() -> Result<PathBuf> {
     Ok(workspace::target()?.join("ros-helper"))
 }
 
-/// Cargo on the copy of the manifest that uses the changed `RustDDS`.
+/// Cargo with the copy of the manifest that uses the changed `RustDDS`.
 fn cargo(command: &str) -> Result<Command> {
     let folder = folder()?;
     let manifest = folder.join("Cargo.toml");
@@ -75,7 +76,7 @@ fn cargo(command: &str) -> Result<Command> {
     Ok(cargo)
 }
 
-/// Makes the changed copy of `RustDDS`, unless it is there.
+/// Makes the changed copy of `RustDDS`, if it is missing or outdated.
 fn changed(copy: &Path) -> Result<()> {
     let published = published()?;
     let stamp = copy.join("changed-from");
@@ -98,7 +99,7 @@ fn changed(copy: &Path) -> Result<()> {
     fs::write(stamp, about).map_err(Into::into)
 }
 
-/// Where cargo keeps `RustDDS` as published.
+/// Folder of the published `RustDDS` in cargo's registry.
 fn published() -> Result<PathBuf> {
     let mut metadata = process::cargo();
     metadata.current_dir(workspace::path("ros")).args([

@@ -1,5 +1,5 @@
-//! What is generated from the server's words: its `OpenAPI` description and the TypeScript types of the web application.
-//! Knows which program prints what and where it belongs.
+//! Files generated from the server's types: the `OpenAPI` description and the TypeScript types of the web application.
+//! Knows the generating programs and the locations of their outputs.
 
 use std::path::Path;
 
@@ -8,10 +8,10 @@ use serde_json::Value;
 
 use crate::{process, workspace};
 
-/// What `cargo xtask types` can be asked for.
+/// Options of `cargo xtask types`.
 #[derive(clap::Args, Clone, Copy)]
 pub(crate) struct TypesOptions {
-    /// Change nothing; fail if a file is not what it should be.
+    /// Change nothing; fail if a file is outdated.
     #[arg(long)]
     check: bool,
 }
@@ -44,8 +44,8 @@ pub(crate) fn run(options: TypesOptions) -> Result<()> {
     if options.check { check(texts) } else { write(texts) }
 }
 
-/// Checks the files by the programs that a debug build of everything has made. Cargo would compile most crates again for them,
-/// with other features.
+/// Checks the files with the programs of a full debug build. Cargo would compile most crates again for them, with other
+/// features.
 pub(crate) fn check_by_built() -> Result<()> {
     check([TYPESCRIPT.text_by_built()?, OPENAPI.text_by_built()?])
 }
@@ -89,7 +89,7 @@ impl Generated {
     }
 }
 
-/// Every word of the description is a type as well: one that is forgotten in the list of types is found here.
+/// Checks that every schema of the description is also a type, to detect entries missing from the list of types.
 fn compare(types: &str, description: &str) -> Result<()> {
     let description: Value =
         serde_json::from_str(description).context("the description is no JSON")?;

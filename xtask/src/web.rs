@@ -1,4 +1,4 @@
-//! The page: its packages from npm, its checks, its build. Knows the folder `web` and which of its programs does what.
+//! The page: its packages from npm, its checks, its build. Knows the folder `web` and its programs.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -7,10 +7,10 @@ use anyhow::{Context as _, Result};
 
 use crate::{process, workspace};
 
-/// What `cargo xtask web` can be asked for.
+/// Options of `cargo xtask web`.
 #[derive(clap::Args, Clone, Copy, Default)]
 pub(crate) struct WebOptions {
-    /// Only look whether types, lints and layers are right; build nothing.
+    /// Only check types, lints and layers; build nothing.
     #[arg(long)]
     check: bool,
 }
@@ -20,13 +20,13 @@ pub(crate) fn run(options: WebOptions) -> Result<()> {
     if options.check { check() } else { build() }
 }
 
-/// Builds what the server hands out and a release build carries.
+/// Builds the page for the server and for release builds.
 pub(crate) fn build() -> Result<()> {
     process::run(program("tsc")?.arg("--noEmit"))?;
     process::run(program("vite")?.arg("build"))
 }
 
-/// Format, lints, layers, types.
+/// Checks format, lints, layers and types.
 pub(crate) fn check() -> Result<()> {
     process::run(program("biome")?.args(["ci", "--error-on-warnings", "."]))?;
     process::run(program("tsc")?.arg("--noEmit"))
@@ -37,7 +37,7 @@ pub(crate) fn test() -> Result<()> {
     process::run(program("vitest")?.arg("run"))
 }
 
-/// One of the programs that the packages bring, to be started in `web`.
+/// A program from the packages, run in `web`.
 pub(crate) fn program(name: &str) -> Result<Command> {
     install()?;
     let mut program = process::command(folder().join("node_modules/.bin").join(name));
@@ -45,7 +45,7 @@ pub(crate) fn program(name: &str) -> Result<Command> {
     Ok(program)
 }
 
-/// Installs the packages that the lock file names, unless they are there already.
+/// Installs the packages of the lock file, if they are missing.
 pub(crate) fn install() -> Result<()> {
     let lock = workspace::read("web/package-lock.json")?;
     let stamp = folder().join("node_modules/.rafcon-lock.json");

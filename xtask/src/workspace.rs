@@ -1,4 +1,4 @@
-//! Where things lie in this repository.
+//! Locations in this repository.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub(crate) fn path(relative: impl AsRef<Path>) -> PathBuf {
     root().join(relative)
 }
 
-/// Cargo's target folder, wherever the user's settings put it.
+/// Cargo's target folder, according to the user's settings.
 pub(crate) fn target() -> Result<PathBuf> {
     let metadata = process::text(process::cargo().args([
         "metadata",
@@ -58,7 +58,7 @@ pub(crate) fn crates() -> Result<Vec<String>> {
     Ok(folders.map(str::to_owned).collect())
 }
 
-/// Copies the files below a folder of the repository, as git sees it, to another place.
+/// Copies the files below a folder of the repository that git lists to another folder.
 pub(crate) fn copy(folder: &str, target: &Path) -> Result<()> {
     for file in files(folder)? {
         let copy = target.join(file.strip_prefix(folder).unwrap_or(&file));

@@ -1,4 +1,4 @@
-//! What lies in `zenoh/`, a workspace of its own: the program `rafcon-zenoh`, and the comparison of the link with others.
+//! The workspace `zenoh/`: the program `rafcon-zenoh`, and the comparison of the link with other transports.
 
 use std::fs;
 use std::process::Command;
@@ -8,10 +8,11 @@ use anyhow::{Context as _, Result, ensure};
 use crate::product::{Product, Profile};
 use crate::{link, process, python, workspace};
 
-/// A peer of someone else.
+/// A foreign peer.
 const STRANGER: python::Contents = python::Contents { bare: &[], full: &["eclipse-zenoh==1.10.2"] };
 
-/// What is checked of it wherever the rest is: its format, and that what it depends on is fixed. To compile it takes too long for that.
+/// The quick checks that run with all others: its format, and the existence of its lock file. Compiling it takes too long
+/// for that.
 pub(crate) fn lint() -> Result<()> {
     let lock = workspace::path("zenoh/Cargo.lock");
     ensure!(lock.exists(), "{} is missing: `cargo xtask zenoh` writes it", lock.display());
@@ -30,7 +31,7 @@ pub(crate) fn test() -> Result<()> {
     process::run(test.env("RAFCON_ZENOH_PYTHON", python))
 }
 
-/// What `cargo xtask link-compare` can be asked for.
+/// Options of `cargo xtask link-compare`.
 #[derive(clap::Args)]
 pub(crate) struct LinkCompareOptions {
     /// Print each figure as a line of JSON.
@@ -38,7 +39,7 @@ pub(crate) struct LinkCompareOptions {
     json: bool,
 }
 
-/// Carries the same events in several ways over the same bad link, and prints the table of `docs/link.md`.
+/// Carries a sequence of events over a bad link by several transports, and prints the table of `docs/link.md`.
 pub(crate) fn compare(options: &LinkCompareOptions) -> Result<()> {
     let proxy = link::proxy()?;
     let build = ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example"];
@@ -53,7 +54,7 @@ pub(crate) fn compare(options: &LinkCompareOptions) -> Result<()> {
     process::run(compare.args(options.json.then_some("--json")))
 }
 
-/// Cargo in that workspace.
+/// Cargo in the workspace `zenoh`.
 fn cargo() -> Command {
     let mut cargo = process::cargo();
     cargo.current_dir(workspace::path("zenoh"));

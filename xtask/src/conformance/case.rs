@@ -1,7 +1,7 @@
-//! The machines that are compared: those that the reference ships, and our own, one for each rule.
+//! The machines for the comparison: those that the reference ships, and our own, one for each rule.
 //!
-//! The shipped ones are copied below the target folder and their sleeps shortened there, so that both engines run the
-//! same files and no one waits for 99 bottles.
+//! The shipped ones are copied below the target folder and their sleeps are shortened there, so that both engines run
+//! identical files and no one waits for 99 bottles.
 
 use std::path::{Path, PathBuf};
 
@@ -11,11 +11,11 @@ use super::expectations::{Expectations, Expected};
 use crate::reference::Reference;
 use crate::{process, python, workspace};
 
-/// What sleeps are multiplied with.
+/// Factor for sleeps.
 const TIME_SCALE: &str = "0.02";
-/// The folder of this all, relative to the repository.
+/// The folder of the conformance tests, relative to the repository.
 const HERE: &str = "tests/conformance";
-/// What the generator writes there.
+/// Folders that the generator writes there.
 const GENERATED: [&str; 2] = [OWN, OWN_LIBRARIES];
 /// Our own machines.
 const OWN: &str = "machines";
@@ -27,15 +27,15 @@ const OWN_LIBRARIES: &str = "libraries";
 pub(crate) struct Case {
     /// Its folder below the reference's `share`, or `own/` and its name.
     pub(crate) name: String,
-    /// Where both engines find it.
+    /// Folder of the machine, for both engines.
     pub(crate) folder: PathBuf,
     /// Library roots as `name=folder`.
     pub(crate) libraries: Vec<String>,
-    /// What is known about it.
+    /// Expectations for this machine.
     pub(crate) expected: Expected,
 }
 
-/// Every machine, in the order of names.
+/// All machines, sorted by name.
 pub(crate) fn all(reference: &Reference, expectations: &Expectations) -> Result<Vec<Case>> {
     let share = workspace::target()?.join("conformance/share");
     remove(&share)?;
@@ -60,7 +60,7 @@ pub(crate) fn all(reference: &Reference, expectations: &Expectations) -> Result<
     Ok(cases)
 }
 
-/// Fails if our own machines are not what their generator writes.
+/// Fails if our own machines differ from the output of their generator.
 pub(crate) fn check_generated() -> Result<()> {
     let fresh = workspace::target()?.join("conformance/generated");
     remove(&fresh)?;
@@ -95,7 +95,7 @@ fn libraries(share: &Path) -> Vec<String> {
     roots.map(|(name, folder)| format!("{name}={}", folder.display())).to_vec()
 }
 
-/// The folders below `root` that hold a machine; a machine holds no other machine.
+/// The folders below `root` that contain a machine; a machine contains no other machine.
 fn machines(root: &Path) -> Result<Vec<PathBuf>> {
     if root.join("statemachine.json").exists() {
         return Ok(vec![root.to_path_buf()]);
@@ -115,7 +115,7 @@ fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(entries)
 }
 
-/// Copies a folder, shortening the sleeps in its scripts.
+/// Copies a folder, and shortens the sleeps in its scripts.
 pub(super) fn copy(from: &Path, to: &Path) -> Result<()> {
     std::fs::create_dir_all(to).with_context(|| format!("cannot create {}", to.display()))?;
     for entry in entries(from)? {

@@ -1,6 +1,6 @@
-//! What counts as a difference between two runs.
+//! Comparison of two runs.
 //!
-//! Concurrent branches may interleave as they like: only the order within a branch is compared. The inner root of a
+//! Concurrent branches may interleave in any order, so only the order within a branch is compared. The inner root of a
 //! library and the decider of a barrier have no entry of their own in the reference's history, and are left out.
 
 use std::collections::BTreeMap;
@@ -10,13 +10,14 @@ use serde_json::Value;
 use super::expectations::Expected;
 use super::observed::{Observed, Places};
 
-/// The id that every decider has.
+/// The id of every decider.
 const DECIDER: &str = "unique_decider_state_id";
 
-/// One thing that is not the same.
+/// A difference between two runs.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Difference {
-    /// `end`, `outcome`, `outputs`, `globals`, `scoped_variables`, `states_run`, `order` or `log`; expectations use these words.
+    /// `end`, `outcome`, `outputs`, `globals`, `scoped_variables`, `states_run`, `order` or `log`; expectations use these
+    /// terms.
     pub(crate) what: &'static str,
     /// Both sides, the reference first.
     pub(crate) detail: String,
@@ -34,7 +35,7 @@ pub(crate) fn all(theirs: &Observed, ours: &Observed, expected: &Expected) -> Ve
     found
 }
 
-/// Compares a recorded run of the reference with ours; `live` knows the places.
+/// Compares a recorded run of the reference with ours; `live` has the paths of libraries and concurrency states.
 pub(crate) fn recorded(recorded: &Observed, ours: &Observed, live: &Observed) -> Vec<Difference> {
     let mut found = Vec::from_iter(order(recorded, ours, &live.places, false));
     found.extend(ends(recorded, ours));
@@ -44,7 +45,7 @@ pub(crate) fn recorded(recorded: &Observed, ours: &Observed, live: &Observed) ->
     found
 }
 
-/// How the two runs ended, and with what.
+/// Differences in the ends of the two runs, and in their final values.
 fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
     let values = [
         ("outcome", &theirs.outcome, &ours.outcome),
@@ -63,14 +64,14 @@ fn ends(theirs: &Observed, ours: &Observed) -> Vec<Difference> {
     end(theirs, ours).into_iter().chain(runs).chain(values).collect()
 }
 
-/// Whether the two runs ended by themselves.
+/// Difference if only one of the two runs ended by itself.
 fn end(theirs: &Observed, ours: &Observed) -> Option<Difference> {
     let detail = format!("ended by itself: {} ≠ {}", theirs.finished, ours.finished);
     (theirs.finished != ours.finished).then_some(Difference { what: "end", detail })
 }
 
-/// A value without what may differ: a leaf has no scoped variables or an empty set of them, and a syntax error names the
-/// user's file in ours.
+/// The value in a comparable form: a leaf has no scoped variables or an empty set of them, and a syntax error names the
+/// user's file only in our engine.
 fn normal(value: &Value) -> Value {
     match value {
         Value::Null => Value::Object(serde_json::Map::new()),
@@ -89,7 +90,7 @@ fn without_places(value: &Value) -> Value {
     }
 }
 
-/// The message without the place that Python adds to a syntax error, which names the script.
+/// The message without the script and line that Python adds to a syntax error.
 fn without_place(message: &str) -> &str {
     let line = message.strip_suffix(')').and_then(|rest| rest.rsplit_once(", line "));
     let Some((head, _)) = line.filter(|(_, number)| number.parse::<u32>().is_ok()) else {
@@ -111,14 +112,15 @@ fn order(theirs: &Observed, ours: &Observed, places: &Places, endless: bool) -> 
     detail.map(|detail| Difference { what: "order", detail })
 }
 
-/// Where two orders part; endless ones may be cut anywhere, but have at least one entry in common.
+/// Index of the first difference between two orders. Endless runs may be cut anywhere, but must have at least one entry in
+/// common.
 fn first_difference(theirs: &[&str], ours: &[&str], endless: bool) -> Option<usize> {
     let (shorter, longer) = (theirs.len().min(ours.len()), theirs.len().max(ours.len()));
     let compared = if endless { shorter.max(1) } else { longer };
     (0..compared).find(|at| theirs.get(*at) != ours.get(*at))
 }
 
-/// The entered paths by branch, the innermost concurrent child above each; the main branch has no name.
+/// The entered paths by branch. A branch is named by the innermost concurrent child above it; the main branch has no name.
 fn branches<'a>(entered: &'a [String], places: &Places) -> BTreeMap<&'a str, Vec<&'a str>> {
     let mut branches = BTreeMap::<_, Vec<_>>::new();
     for path in entered.iter().map(String::as_str).filter(|path| is_compared(path, places)) {
@@ -144,7 +146,8 @@ fn branch<'a>(path: &'a str, places: &Places) -> &'a str {
     ends.rev().find(is_branch).unwrap_or("")
 }
 
-/// What scripts said; without an order, since concurrent scripts speak when they like and the order of states is compared.
+/// Differences in the output of scripts. The order is ignored, because concurrent scripts print in any order, and the order
+/// of states is compared separately.
 fn log(theirs: &Observed, ours: &Observed) -> Option<Difference> {
     let sorted = |side: &Observed| {
         let mut lines = side

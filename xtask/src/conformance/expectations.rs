@@ -1,4 +1,4 @@
-//! What is known beforehand about single machines, read from `tests/conformance/expectations.json`.
+//! Expectations for single machines, read from `tests/conformance/expectations.json`.
 
 use std::collections::BTreeMap;
 
@@ -10,28 +10,28 @@ use crate::workspace;
 const FILE: &str = "tests/conformance/expectations.json";
 const DIFFERENCES: &str = "docs/differences.md";
 
-/// All that is known.
+/// All expectations.
 #[derive(Debug)]
 pub(crate) struct Expectations {
     machines: BTreeMap<String, Expected>,
 }
 
-/// What is known about one machine.
+/// Expectations for one machine.
 #[derive(Debug, Clone)]
 pub(crate) struct Expected {
-    /// Why it is not run at all.
+    /// Reason for skipping the machine.
     pub(crate) skip: Option<String>,
-    /// What it lacks on a machine without desktop and robot; it takes its error path in both engines.
+    /// Requirement that is missing without desktop and robot; the machine takes its error path in both engines.
     pub(crate) needs: Option<String>,
-    /// It never ends by itself: both engines are stopped, and what they did until then is compared.
+    /// True if it never ends by itself: both engines are stopped, and their histories until then are compared.
     pub(crate) endless: bool,
-    /// When both engines stop it, in seconds.
+    /// Time after which both engines stop it, in seconds.
     pub(crate) timeout_s: f64,
-    /// Where the run starts, state ids joined by `/`.
+    /// First state of the run, as state ids joined by `/`.
     pub(crate) start_from: Option<String>,
-    /// Text replaced in its scripts, for both engines, for example to make chance repeatable.
+    /// Replacements in the text of its scripts, for both engines, for example to make random numbers repeatable.
     pub(crate) replace: Vec<(String, String)>,
-    /// What may differ, and the heading of `docs/differences.md` that says why.
+    /// Allowed differences, each with the explaining heading of `docs/differences.md`.
     differences: BTreeMap<String, String>,
 }
 
@@ -65,12 +65,12 @@ impl Expectations {
         Ok(read)
     }
 
-    /// What is known about this machine; nothing is known about most.
+    /// Expectations for this machine; the default for most.
     pub(crate) fn of(&self, machine: &str) -> Expected {
         self.machines.get(machine).cloned().unwrap_or_default()
     }
 
-    /// The machines named here that do not exist.
+    /// Names of expected machines that do not exist.
     pub(crate) fn unknown<'a>(&'a self, cases: &'a [String]) -> impl Iterator<Item = &'a String> {
         self.machines.keys().filter(|name| !cases.contains(name))
     }

@@ -1,7 +1,7 @@
-//! Conformance: the same machines in both engines, compared in everything a user can see.
+//! Conformance: runs machines in both engines, and compares everything that a user can see.
 //!
-//! The reference runs live, and for the machines that it ships there are recorded runs besides. A difference is a
-//! defect unless `tests/conformance/expectations.json` names the heading of `docs/differences.md` that explains it.
+//! The reference runs live. For the machines that it ships, there are also recorded runs. A difference is a defect unless
+//! `tests/conformance/expectations.json` names the heading of `docs/differences.md` that explains it.
 
 mod case;
 mod compare;
@@ -26,28 +26,28 @@ use expectations::Expectations;
 use observed::Observed;
 use table::Row;
 
-/// What `cargo xtask conformance` can be asked for.
+/// Options of `cargo xtask conformance`.
 #[derive(clap::Args, Default)]
 pub(crate) struct ConformanceOptions {
     /// Only the machines whose name contains this text.
     #[arg(long)]
     machine: Option<String>,
-    /// Run the reference only and show what it does, one JSON object a line.
+    /// Run only the reference, and print its results as one JSON object a line.
     #[arg(long)]
     reference_only: bool,
-    /// Use what was built before.
+    /// Use an earlier build.
     #[arg(long)]
     no_build: bool,
 }
 
 impl ConformanceOptions {
-    /// All machines, with what was built before.
+    /// All machines, with an earlier build.
     pub(crate) fn without_build() -> Self {
         Self { no_build: true, ..Self::default() }
     }
 }
 
-/// Runs the machines and prints the table; fails on a difference that nothing explains.
+/// Runs the machines and prints the table; fails on a difference without an explanation.
 pub(crate) fn run(options: &ConformanceOptions) -> Result<()> {
     let reference = Reference::installed()?;
     case::check_generated()?;
@@ -83,7 +83,7 @@ pub(crate) fn run(options: &ConformanceOptions) -> Result<()> {
     Ok(())
 }
 
-/// Runs one machine in both engines; what goes wrong on the way is a difference, too.
+/// Runs one machine in both engines. An error on the way counts as a difference.
 fn row(reference: &Reference, product: &Product, case: &Case) -> Row {
     if let Some(reason) = &case.expected.skip {
         return Row::skipped(&case.name, reason);

@@ -1,4 +1,4 @@
-//! What a user sees of one run, the same for both engines.
+//! Observations of one run, in a common form for both engines.
 
 use std::process::Command;
 
@@ -9,10 +9,10 @@ use super::case::Case;
 use crate::reference::Reference;
 use crate::{process, workspace};
 
-/// What a user sees of one run.
+/// All that a user sees of one run.
 #[derive(Debug, Default)]
 pub(crate) struct Observed {
-    /// It ended by itself.
+    /// True if it ended by itself.
     pub(crate) finished: bool,
     /// `{"id", "name"}` of the root.
     pub(crate) outcome: Value,
@@ -22,22 +22,22 @@ pub(crate) struct Observed {
     pub(crate) globals: Value,
     /// The root's scoped variables by name; null if it can have none.
     pub(crate) scoped_variables: Value,
-    /// The paths of the states that were entered, in order.
+    /// Paths of the entered states, in order.
     pub(crate) entered: Vec<String>,
-    /// How many states ran, where that is known.
+    /// Number of states run, if known.
     pub(crate) states_run: Option<u64>,
-    /// What scripts logged and printed, a line each.
+    /// Log and output of scripts, one entry a line.
     pub(crate) log: Vec<String>,
-    /// Where the machine's library states and concurrency states are; only the reference tells.
+    /// Paths of the library states and concurrency states of the machine; available only from the reference.
     pub(crate) places: Places,
 }
 
-/// Paths that the comparison must know.
+/// Paths for the comparison.
 #[derive(Debug, Default)]
 pub(crate) struct Places {
     /// States that refer to a library; their one child is the library's root.
     pub(crate) libraries: Vec<String>,
-    /// States whose children run at the same time.
+    /// States with concurrent children.
     pub(crate) concurrency: Vec<String>,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn reference(reference: &Reference, case: &Case) -> Result<Value> {
         .with_context(|| format!("{}: the reference's driver printed {answer:?}", case.name))
 }
 
-/// The options that driver and `rafcon run` share.
+/// The common options of the driver and `rafcon run`.
 pub(crate) fn add_common(command: &mut Command, case: &Case) {
     for library in &case.libraries {
         command.args(["--library-path", library]);
@@ -62,7 +62,7 @@ pub(crate) fn add_common(command: &mut Command, case: &Case) {
 }
 
 impl Observed {
-    /// Reads the driver's answer, or a recorded run of the same shape.
+    /// Parses the driver's answer, or a recorded run in that format.
     pub(crate) fn of_reference(answer: &Value) -> Result<Self> {
         let printed = answer["stdout"].as_str().unwrap_or_default().lines().map(str::to_owned);
         let logged = answer["log"]
@@ -89,7 +89,7 @@ impl Observed {
     }
 }
 
-/// The states entered according to a history: a container tells its entry twice, the root only as a container.
+/// The entered states of a history: a container has two entries, the root only one as a container.
 fn entered(trace: &Value) -> Vec<String> {
     let mut entered = Vec::new();
     let mut called = "";
@@ -111,7 +111,7 @@ fn texts(value: &Value) -> Vec<String> {
 /// The recorded runs of the reference for the machines that it ships.
 const RECORDED: &str = "tests/conformance/recorded/shipped.jsonl";
 
-/// The recorded run of this machine, if there is one that says how it ends.
+/// The recorded run of this machine, if it is deterministic.
 pub(crate) fn recorded(machine: &str) -> Result<Option<Observed>> {
     for line in workspace::read(RECORDED)?.lines() {
         let run: Value =

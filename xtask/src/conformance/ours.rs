@@ -9,10 +9,10 @@ use crate::product::Product;
 use crate::reference::Reference;
 use crate::{process, workspace};
 
-/// The exit code of a run that was ended by `--timeout`.
+/// Exit code of a run that `--timeout` ended.
 const TIMED_OUT: i32 = 6;
 
-/// Runs the machine with the interpreter that the reference uses, so that both see the same Python.
+/// Runs the machine with the reference's interpreter, so that Python is identical for both.
 pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Result<Observed> {
     let mut command = process::command(&product.binary);
     command
@@ -22,7 +22,7 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
         .arg("--python")
         .arg(&reference.python);
     command.env("RAFCON_RUNS", workspace::target()?.join("conformance/runs"));
-    // No one is there to answer; the reference has no desktop either.
+    // Nobody can answer; the reference has no desktop either.
     command.env("RAFCON_DIALOGS", "missing");
     command.args(["--timeout", &case.expected.timeout_s.to_string()]);
     observed::add_common(&mut command, case);
@@ -40,7 +40,7 @@ pub(crate) fn run(product: &Product, reference: &Reference, case: &Case) -> Resu
     Ok(seen)
 }
 
-/// Takes one event in; true for the last.
+/// Adds one event to the observations; true for the last event.
 fn take(seen: &mut Observed, event: &Value) -> bool {
     match event["type"].as_str() {
         Some("entered") => seen.entered.push(event["path"].as_str().unwrap_or_default().to_owned()),
@@ -58,7 +58,7 @@ fn take(seen: &mut Observed, event: &Value) -> bool {
     false
 }
 
-/// The engine's own notes are worded differently, by intention.
+/// False for notes of the engine, whose wording differs by intention.
 fn is_from_script(event: &Value) -> bool {
     matches!(event["stream"].as_str(), Some("stdout" | "logger"))
 }

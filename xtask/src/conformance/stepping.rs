@@ -1,8 +1,8 @@
-//! Stepping, forwards and back: the same commands given to both engines while they run, and what each command made
-//! scripts do.
+//! Stepping, forward and back: both engines receive equal commands during a run, and the effects of each command on scripts
+//! are compared.
 //!
-//! The machines are copies of those that the reference ships for it. Each script in the copy writes down when its
-//! functions are called, so that neither engine is asked what it thinks it did.
+//! The machines are copies of those that the reference ships for it. Each script in the copy records the calls of its
+//! functions, so that the comparison does not depend on reports of the engines.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -47,12 +47,12 @@ const CASES: [(&str, &str); 9] = [
     ("preemption", "into into into into into back back back back"),
 ];
 
-/// Steps every machine in both engines.
+/// Steps all machines in both engines.
 pub(crate) fn rows(reference: &Reference, product: &Product, part: Option<&str>) -> Vec<Row> {
     let wanted = |(machine, commands): &(&str, &str)| {
         part.is_none_or(|part| name(machine, commands).contains(part))
     };
-    // One after the other: cases of one machine share its copy.
+    // In sequence, because cases of one machine share its copy.
     CASES.into_iter().filter(wanted).map(|case| row(reference, product, case)).collect()
 }
 
@@ -71,7 +71,7 @@ fn row(reference: &Reference, product: &Product, (machine, commands): (&str, &st
     }
 }
 
-/// A copy with short sleeps, in which scripts write down when they are called.
+/// A copy with short sleeps, in which scripts record their calls.
 fn copy(reference: &Reference, machine: &str) -> Result<PathBuf> {
     let shipped = reference.share.join("examples/functionality_examples");
     let folder = workspace::target()?.join("conformance/stepping").join(machine);
@@ -96,7 +96,7 @@ fn trace_scripts(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// An empty file for what scripts write.
+/// An empty file for the records of scripts.
 fn trace(machine: &Path, engine: &str) -> Result<PathBuf> {
     let trace = machine.with_extension(engine);
     fs::write(&trace, "")?;
@@ -126,7 +126,7 @@ fn ours(
     read(&trace)
 }
 
-/// One line for each command: what it made scripts do. What branches do side by side has no order.
+/// One line for each command, with the calls of scripts that it caused. Calls of parallel branches have no order.
 fn read(trace: &Path) -> Result<Vec<String>> {
     let text = fs::read_to_string(trace)?;
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();

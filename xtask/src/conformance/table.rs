@@ -1,11 +1,11 @@
-//! The table that is printed: machine, verdict, difference.
+//! The printed table: machine, verdict, difference.
 
 use std::fmt::Write as _;
 
 use super::compare::Difference;
 use super::expectations::Expected;
 
-/// What came out for one machine.
+/// Result for one machine.
 #[derive(Debug)]
 pub(crate) struct Row {
     machine: String,
@@ -19,17 +19,17 @@ const DIFFERS: &str = "DIFFERS";
 const SKIPPED: &str = "skipped";
 
 impl Row {
-    /// A machine that was not run.
+    /// A skipped machine.
     pub(crate) fn skipped(machine: &str, reason: &str) -> Self {
         Self { machine: machine.to_owned(), verdict: SKIPPED, notes: vec![reason.to_owned()] }
     }
 
-    /// A machine that neither engine could be compared on, and why.
+    /// A machine that could not be compared, with the reason.
     pub(crate) fn failed(machine: &str, reason: &anyhow::Error) -> Self {
         Self { machine: machine.to_owned(), verdict: DIFFERS, notes: vec![format!("{reason:#}")] }
     }
 
-    /// A machine that was compared.
+    /// A compared machine.
     pub(crate) fn compared(machine: &str, differences: &[Difference], expected: &Expected) -> Self {
         let explained = |difference: &&Difference| expected.explanation(difference.what).is_some();
         let verdict = match differences.iter().find(|it| !explained(it)) {
@@ -44,7 +44,7 @@ impl Row {
         Self { machine: machine.to_owned(), verdict, notes }
     }
 
-    /// A machine that both engines stepped, and what each command made its scripts do.
+    /// A machine that both engines stepped, with the effects of each command on its scripts.
     pub(crate) fn stepped(machine: &str, theirs: &[String], ours: &[String]) -> Self {
         let differs = |(theirs, ours): &(&String, &String)| theirs != ours;
         let note = match theirs.iter().zip(ours).find(differs) {
@@ -58,7 +58,7 @@ impl Row {
         Self { machine: machine.to_owned(), verdict, notes: note.into_iter().collect() }
     }
 
-    /// Whether this row fails the run.
+    /// True if this row fails the run.
     pub(crate) fn is_failure(&self) -> bool {
         self.verdict == DIFFERS
     }
@@ -72,7 +72,7 @@ fn note(difference: &Difference, expected: &Expected) -> String {
     }
 }
 
-/// All rows, aligned, and how many of each verdict.
+/// All rows, aligned, and the number of rows with each verdict.
 pub(crate) fn render(rows: &[Row]) -> String {
     let width = rows.iter().map(|row| row.machine.chars().count()).max().unwrap_or_default();
     let mut text = String::new();

@@ -1,4 +1,5 @@
-//! How long anything of an engine is left after nobody wants its plan any more. Knows processes by a mark in their environment.
+//! Time from the cancellation of a plan until all processes of its engine have ended. Finds processes by a mark in their
+//! environment.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
@@ -12,16 +13,17 @@ use serde_json::json;
 use super::figures::Measured;
 use super::{PlannerBench, now, pool, problems, since};
 
-/// An engine that plans for ever with a helper, and heeds no signal that can be heeded.
+/// An engine that plans forever with a helper, and ignores all signals that can be ignored.
 const DEAF: &str = "trap '' INT TERM HUP\ntail -f /dev/null &\nexec tail -f /dev/null";
-/// So many there are at least once an engine plans: who asked, the engine, its helper, and what ends it with whoever asked.
+/// Minimum number of processes while an engine plans: the requester, the engine, its helper, and the process that ends the
+/// engine with the requester.
 const PROCESSES: usize = 4;
-/// Passed on to all that a program starts.
+/// Environment variable that all started processes inherit.
 const MARK: &str = "RAFCON_PLANNER_MARK";
-/// What takes longer hangs.
+/// Timeout, in ms.
 const PATIENCE_MS: f64 = 20_000.0;
 
-/// Measures both ways to say that a plan is not wanted.
+/// Measures both kinds of cancellation: a signal, and a closed request.
 pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<()> {
     let python = pool::engine(&bench.folder.join("deaf"), DEAF)?;
     let facts = bench.facts("cancelled", &problems::blocks(10, false))?;
@@ -55,18 +57,18 @@ pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<(
     Ok(())
 }
 
-/// A program that ends with us.
+/// A program that is killed on drop.
 struct Killed(Child);
 
 impl Drop for Killed {
     fn drop(&mut self) {
-        // Ended already: nothing to kill.
+        // The program may have ended already.
         self.0.kill().unwrap_or_default();
         self.0.wait().map(drop).unwrap_or_default();
     }
 }
 
-/// Asks for a plan; the request lasts as long as the connection.
+/// Requests a plan; closing the connection cancels it.
 fn ask(link: &str, body: &str) -> Result<TcpStream> {
     let (address, token) = link
         .trim()
@@ -86,7 +88,7 @@ fn ask(link: &str, body: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-/// Waits until the marked processes are as they should be.
+/// Waits for the expected set of marked processes.
 #[expect(clippy::disallowed_methods, reason = "the end of a stranger's process is no event")]
 fn wait(mark: &str, is_so: impl Fn(&[u32]) -> bool) -> Result<()> {
     let begin = now();
@@ -102,7 +104,7 @@ fn wait(mark: &str, is_so: impl Fn(&[u32]) -> bool) -> Result<()> {
     }
 }
 
-/// All processes with this mark.
+/// Ids of all processes with this mark.
 fn marked(mark: &str) -> Result<Vec<u32>> {
     let wanted = format!("{MARK}={mark}");
     let mut found = Vec::new();

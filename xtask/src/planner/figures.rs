@@ -1,4 +1,4 @@
-//! The figures of plans, with what is promised of them. Knows nothing of how they are measured.
+//! The figures of planning, with their bars. Knows nothing of the measurements.
 
 use anyhow::{Result, bail};
 use serde_json::{Map, json};
@@ -7,9 +7,9 @@ use serde_json::{Map, json};
 pub(super) struct PlannerFigure {
     /// Its name; ends with its unit.
     name: &'static str,
-    /// At most this is promised, where something is.
+    /// The bar, if the figure has one.
     bar: Option<f64>,
-    /// What it is, for people.
+    /// Description for people.
     meaning: &'static str,
 }
 
@@ -21,7 +21,7 @@ const fn told(name: &'static str, meaning: &'static str) -> PlannerFigure {
     PlannerFigure { name, bar: None, meaning }
 }
 
-/// All of them, in the order in which they are printed.
+/// All figures, in the order of the output.
 const ALL: [PlannerFigure; 17] = [
     most(
         "blocks_40_ms",
@@ -71,17 +71,17 @@ const ALL: [PlannerFigure; 17] = [
     told("plugin_build_ms", "then, until its machine was written"),
 ];
 
-/// What was measured.
+/// Measured values by name.
 #[derive(Debug, Default)]
 pub(super) struct Measured(Vec<(&'static str, f64)>);
 
 impl Measured {
-    /// Notes a figure.
+    /// Records a figure.
     pub(super) fn note(&mut self, name: &'static str, value: f64) {
         self.0.push((name, value));
     }
 
-    /// Prints all, and fails where a promise is not kept or a figure is missing.
+    /// Prints all figures, and fails if a bar is missed or a figure is missing.
     pub(super) fn print(&self, as_json: bool) -> Result<()> {
         let of = |name| self.0.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
         let mut faults = Vec::new();
@@ -114,7 +114,7 @@ impl Measured {
     }
 }
 
-/// One digit behind the point.
+/// Rounds to one decimal.
 fn rounded(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }

@@ -1,5 +1,5 @@
-//! Measures plans, with the default engine: from the command to the machine, while a machine runs, until all is gone after a
-//! cancel, and beside the planner plugin of the reference. Knows `rafcon` as a program.
+//! Measures planning with the default engine: from the command to the machine, during a run, after a cancellation, and in
+//! comparison with the reference's planner plugin. Uses `rafcon` as a program.
 
 mod cancelling;
 mod figures;
@@ -21,7 +21,7 @@ use crate::product::{Product, Profile};
 use crate::{process, test, workspace};
 use figures::Measured;
 
-/// What is measured.
+/// Options of `cargo xtask planner`.
 #[derive(clap::Args, Clone, Copy)]
 pub(crate) struct PlannerOptions {
     /// Print the figures as JSON
@@ -30,28 +30,28 @@ pub(crate) struct PlannerOptions {
     /// Measure a debug build; its figures do not count
     #[arg(long)]
     debug: bool,
-    /// Measure what was built before
+    /// Use an earlier build
     #[arg(long)]
     no_build: bool,
 }
 
-/// A machine is to be made of so many steps at least.
+/// Minimum number of steps of the large machine.
 const STEPS: usize = 463;
-/// So many packages make so many steps.
+/// Number of packages that leads to this many steps.
 const PACKAGES: usize = 56;
-/// What takes little time is measured so often; the middle counts.
+/// Number of repetitions of short measurements; the median counts.
 const REPEATS: usize = 5;
 
-/// What the measurements share.
+/// Common data of the measurements.
 struct PlannerBench {
     product: Product,
-    /// An interpreter with the engine beside it.
+    /// An interpreter with the engine next to it.
     python: PathBuf,
-    /// Where skills, problems and machines are.
+    /// Folder of skills, problems and machines.
     folder: PathBuf,
 }
 
-/// Measures, and fails where a bar is missed.
+/// Measures, and fails if a bar is missed.
 pub(crate) fn run(options: PlannerOptions) -> Result<()> {
     let profile = if options.debug { Profile::Debug } else { Profile::Release };
     let product =
@@ -81,7 +81,7 @@ impl PlannerBench {
         command
     }
 
-    /// `rafcon plan` on a pool, for these facts, into a machine that is not there yet.
+    /// `rafcon plan` on a pool, for these facts, into a new machine.
     fn plan(&self, pool: &str, facts: &Path, machine: &Path) -> Result<Command> {
         if machine.exists() {
             fs::remove_dir_all(machine)?;
@@ -113,7 +113,7 @@ impl PlannerBench {
         Ok(())
     }
 
-    /// A long plan, said by an engine that has it already: what is left is our own work.
+    /// Measures a long plan from an engine that prints it at once, so that only our own work counts.
     fn machine(&self, measured: &mut Measured) -> Result<()> {
         let facts = self.facts("logistics_many", &problems::logistics(12, PACKAGES))?;
         let machine = self.folder.join("many");
@@ -143,14 +143,14 @@ impl PlannerBench {
     }
 }
 
-/// An action as engines write it.
+/// An action in the syntax of engines.
 fn action(step: &Value) -> String {
     let objects = step["objects"].as_array().into_iter().flatten().filter_map(Value::as_str);
     let words: Vec<&str> = step["action"].as_str().into_iter().chain(objects).collect();
     format!("({})", words.join(" "))
 }
 
-/// How many steps a plan has.
+/// Number of steps of a plan.
 #[expect(clippy::cast_precision_loss, reason = "plans are short")]
 fn count(found: &Value) -> f64 {
     found["steps"].as_array().map_or(0, Vec::len) as f64
@@ -161,11 +161,11 @@ fn lines(text: &str) -> f64 {
     text.lines().count() as f64
 }
 
-/// What a `rafcon plan --json` has said, and when.
+/// Output of `rafcon plan --json`, with its times.
 struct Planned {
-    /// The ms until it showed its plan.
+    /// Time in ms until the plan was printed.
     shown: f64,
-    /// The ms until it was done.
+    /// Time in ms until the program ended.
     done: f64,
     found: Value,
 }
@@ -193,7 +193,7 @@ fn now() -> Instant {
     Instant::now()
 }
 
-/// The ms since then.
+/// Time in ms since `begin`.
 fn since(begin: Instant) -> f64 {
     begin.elapsed().as_secs_f64() * 1000.0
 }

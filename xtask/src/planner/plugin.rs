@@ -1,5 +1,5 @@
-//! The example of the reference's planner plugin: planned by us and run, and planned by the plugin itself, with the same engine.
-//! The plugin is a black box in the reference's own environment.
+//! The example of the reference's planner plugin, planned by us and run, and planned by the plugin with the default engine
+//! as well. The plugin is a black box in the reference's own environment.
 
 use anyhow::{Context as _, Result, ensure};
 use serde_json::Value;

@@ -1,4 +1,4 @@
-//! Skills and engines that are written for a measurement. Knows the format of libraries.
+//! Skills and engines for measurements. Knows the format of libraries.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 
 use super::problems::Skills;
 
-/// A script that has done its work at once.
+/// A script that succeeds at once.
 pub(super) const DONE: &str = "def execute(self, inputs, outputs, gvm):\n    return \"success\"\n";
 
-/// Writes skills as libraries, all with this script.
+/// Writes skills as libraries with this common script.
 pub(super) fn write(folder: &Path, skills: Skills, script: &str) -> Result<()> {
     for (name, action) in skills {
         let annotation = json!({"pddl_action": action, "pddl_predicates": "", "pddl_types": "", "requirements": [], "description": ""});
@@ -23,7 +23,7 @@ pub(super) fn write(folder: &Path, skills: Skills, script: &str) -> Result<()> {
     Ok(())
 }
 
-/// Writes a library with an output `facts` that is always this text.
+/// Writes a library with a constant output `facts`.
 pub(super) fn observer(folder: &Path, facts: &str) -> Result<()> {
     let port = json!({
         "__jsonqualname__": "rafcon.core.state_elements.data_port.OutputDataPort", "data_port_id": 0,
@@ -52,14 +52,14 @@ fn library(folder: &Path, outputs: &Value, script: &str) -> Result<()> {
     Ok(fs::write(folder.join("script.py"), script)?)
 }
 
-/// An engine that says one plan at once; returns the interpreter beside which it lies.
+/// An engine that prints one plan at once; returns the interpreter next to it.
 pub(super) fn engine_that_says(folder: &Path, plan: &Value) -> Result<PathBuf> {
     fs::create_dir_all(folder)?;
     fs::write(folder.join("plan.json"), format!("{plan}\n"))?;
     engine(folder, &format!("exec cat {}", folder.join("plan.json").display()))
 }
 
-/// An engine that does what a shell does; returns the interpreter beside which it lies.
+/// An engine that runs a shell script; returns the interpreter next to it.
 pub(super) fn engine(folder: &Path, shell: &str) -> Result<PathBuf> {
     fs::create_dir_all(folder)?;
     let program = folder.join("kairos");

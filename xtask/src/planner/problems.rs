@@ -1,14 +1,14 @@
-//! Domains and problems of any size, the same each time. Knows PDDL only.
+//! Domains and problems of any size, without variation between calls. Knows PDDL only.
 
 use std::fmt::Write as _;
 
-/// Which type is a kind of which, as JSON.
+/// Type hierarchy as JSON.
 pub(super) const TYPES: &str = r#"{"truck": "vehicle", "airplane": "vehicle", "vehicle": "physobj", "package": "physobj", "airport": "place", "city": "object"}"#;
 
 /// Names of skills, and their actions as PDDL.
 pub(super) type Skills = &'static [(&'static str, &'static str)];
 
-/// Blocks that one gripper puts on each other.
+/// Blocks that one gripper stacks.
 pub(super) const BLOCKS: Skills = &[
     (
         "pick_up",
@@ -28,7 +28,7 @@ pub(super) const BLOCKS: Skills = &[
     ),
 ];
 
-/// Packages, trucks in cities, airplanes between them.
+/// Packages, trucks in cities, and airplanes between cities.
 pub(super) const LOGISTICS: Skills = &[
     (
         "load",
@@ -48,7 +48,7 @@ pub(super) const LOGISTICS: Skills = &[
     ),
 ];
 
-/// The same numbers each time.
+/// A deterministic sequence of numbers.
 struct Chance(usize);
 
 impl Chance {
@@ -59,7 +59,8 @@ impl Chance {
     }
 }
 
-/// Towers of blocks by chance, and other towers of the same blocks as the goal. `shaken`: the same goal, from still other towers.
+/// Random towers of blocks, and other towers of these blocks as the goal. `shaken`: other initial towers with an unchanged
+/// goal.
 pub(super) fn blocks(count: usize, shaken: bool) -> String {
     let chance = &mut Chance(1);
     let (begin, end) = (towers(count, chance), towers(count, chance));
@@ -91,7 +92,7 @@ fn towers(count: usize, chance: &mut Chance) -> Vec<String> {
     facts
 }
 
-/// Packages between places in cities, with a truck in each and two airplanes.
+/// Packages to move between places in cities, with one truck in each city and two airplanes.
 pub(super) fn logistics(cities: usize, packages: usize) -> String {
     let chance = &mut Chance(3);
     let (mut objects, mut init, mut goal) = (
@@ -101,7 +102,7 @@ pub(super) fn logistics(cities: usize, packages: usize) -> String {
     );
     for city in 0..cities {
         let truck = chance.below(3);
-        // Text is always written.
+        // Writing to a string does not fail.
         let _infallible = write!(
             objects,
             " c{city} - city t{city} - truck l{city}_0 - airport l{city}_1 l{city}_2 - place"

@@ -1,4 +1,5 @@
-//! A run in which a step fails and the world is another: how long it takes until the next plan runs. Knows what journals say.
+//! Measures the time between a failed step and the next plan, in a run whose world has changed. Knows the events of
+//! journals.
 
 use std::fs;
 use std::path::Path;
@@ -10,11 +11,11 @@ use super::figures::Measured;
 use super::{PlannerBench, count, pool, problems, timed_plan};
 use crate::{process, workspace};
 
-/// So many blocks make plans of 20 steps and more.
+/// Number of blocks that leads to plans of 20 steps and more.
 const BLOCKS: usize = 12;
 const STEPS: f64 = 20.0;
 
-/// The first step of a run slips.
+/// A script that fails in the first step of a run.
 const SLIPS: &str = r#"def execute(self, inputs, outputs, gvm):
     if gvm.variable_exist("slipped"):
         return "success"
@@ -22,7 +23,7 @@ const SLIPS: &str = r#"def execute(self, inputs, outputs, gvm):
     raise RuntimeError("it slips")
 "#;
 
-/// Measures it.
+/// Measures the time of replanning.
 pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<()> {
     let folder = bench.folder.join("shaken");
     pool::write(&folder, problems::BLOCKS, SLIPS)?;
@@ -51,7 +52,7 @@ pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<(
     Ok(())
 }
 
-/// The name of the run.
+/// The name of the only run.
 fn only_one(runs: &Path) -> Result<String> {
     let mut folders = fs::read_dir(runs)?.collect::<Result<Vec<_>, _>>()?;
     folders.retain(|entry| entry.path().is_dir());
@@ -59,7 +60,8 @@ fn only_one(runs: &Path) -> Result<String> {
     Ok(run.file_name().to_string_lossy().into_owned())
 }
 
-/// The ms between the first failure and the first step after the last change of the machine, and how many steps there were then.
+/// Time in ms between the first failure and the first step after the last change of the machine, with the number of steps
+/// at that time.
 fn replanned(events: &[Value]) -> Result<(f64, f64)> {
     let kind = |event: &Value, kind: &str| event["event"]["type"] == kind;
     let time = |event: &Value| event["t_ns"].as_f64().context("an event without time");

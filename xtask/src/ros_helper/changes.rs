@@ -1,18 +1,18 @@
-//! The changes to `RustDDS` as published.
+//! The changes to the published `RustDDS`.
 //!
-//! They make peers of Fast DDS notice closed readers and writers, find each other at once, and exchange large messages, requests
-//! and responses quickly. A run receives its own messages. A new reader receives no old messages. A process continues after a
-//! stop signal, and delivers its last message when it ends.
+//! Peers of Fast DDS notice closed readers and writers, discover each other at once, and exchange large messages, requests
+//! and responses quickly. A run receives its own messages. A new reader receives no old messages. A process continues after
+//! a stop signal, and delivers its last message when it ends.
 
-/// A change: the file, what is there, and what is to be there.
+/// A change: the file, the old text, and the new text.
 pub(super) type Change = (&'static str, &'static str, &'static str);
 
-/// Where `RustDDS` keeps what readers have not passed on yet.
+/// File with the cache of samples that readers have not passed on yet.
 const CACHE: &str = "src/structure/dds_cache.rs";
 
 pub(super) const CHANGES: &[Change] = &[
-    // Fast DDS takes the key of what is gone from the inline QoS only ("too large key-only data" otherwise), as the
-    // specification has it. A built-in key is a parameter of 16 bytes before the sentinel of 4.
+    // Fast DDS reads the key of a disposed instance only from the inline QoS (else it reports "too large key-only data"),
+    // as the specification requires. A built-in key is a parameter of 16 bytes before the sentinel of 4.
     (
         "src/rtps/message.rs",
         "DDSData::DisposeByKey { .. } => {\n        param_list.push(Parameter::create_pid_status_info_parameter(",
@@ -22,14 +22,14 @@ pub(super) const CHANGES: &[Change] = &[
         }
         param_list.push(Parameter::create_pid_status_info_parameter(",
     ),
-    // Without it a participant does not find the way to itself where there is only the loopback interface.
+    // Without this change a participant does not find itself if the loopback interface is the only one.
     (
         "src/rtps/message_receiver.rs",
         "if source_prefix == GuidPrefix::UNKNOWN || source_prefix == self.own_guid_prefix {\n      return;",
         "if source_prefix == GuidPrefix::UNKNOWN {\n      return;",
     ),
-    // Fast DDS (vendor 1.15) answers a reader that asks what there is only if that asks as its own do, by the number 0; else
-    // what was published before is there seconds later.
+    // Fast DDS (vendor 1.15) responds to a reader's first request only if it has the number 0, as from its own readers.
+    // Otherwise earlier messages arrive seconds later.
     (
         "src/rtps/reader.rs",
         "reader_sn_state: SequenceNumberSet::new_empty(SequenceNumber::new(1)),\n        count: acknack_count,",
@@ -38,7 +38,7 @@ pub(super) const CHANGES: &[Change] = &[
         )),
         count: acknack_count,",
     ),
-    // Parts of 256 bytes overflow the sockets of peers at once, and then come at 0.8 MB a second.
+    // Parts of 256 bytes overflow the sockets of peers at once, and then arrive at only 0.8 MB/s.
     (
         "src/rtps/constant.rs",
         "pub const FRAGMENT_SIZE: usize = 256;",
@@ -49,7 +49,7 @@ pub(super) const CHANGES: &[Change] = &[
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 8192;",
         "pub const REPAIR_BATCH_MAX_BYTES: usize = 1 << 17;",
     ),
-    // A process that was stopped and continued is interrupted where it waits: without these two it hears nothing any more.
+    // A stopped and continued process is interrupted in its wait. Without these two changes it receives nothing afterwards.
     (
         "src/rtps/dp_event_loop.rs",
         "        Ok(_) => {}\n        Err(e) => {\n          error!(\"dp_event_loop poll failed",
@@ -64,8 +64,8 @@ pub(super) const CHANGES: &[Change] = &[
         Err(e) if e.kind() == std::io::ErrorKind::Interrupted => (),
         Err(e) => {\n          error!(\"Failed in waiting of poll in discovery",
     ),
-    // What a writer had confirmed when it went can be read as long as it is kept: else the last response of a server that ends is
-    // lost if nobody has read it by then.
+    // Samples that a writer had confirmed before its end stay readable while they are cached. Otherwise the last response
+    // of a server that ends is lost if nobody has read it by then.
     (
         CACHE,
         "  received_reliably_before: BTreeMap<GUID, SequenceNumber>,\n}",
@@ -95,7 +95,8 @@ pub(super) const CHANGES: &[Change] = &[
         "      self.sequence_numbers.remove(&cc.writer_guid);\n",
         "      self.sequence_numbers.remove(&cc.writer_guid);\n      self.gone.remove(&cc.writer_guid);\n",
     ),
-    // The length of inline QoS lacks the byte that marks an optional value, so peers drop fragments of requests and responses.
+    // The length of inline QoS lacks the byte that marks an optional value, so peers drop fragments of requests and
+    // responses.
     (
         "src/messages/submessages/data_frag.rs",
         "    if self.inline_qos.is_some() && !self.inline_qos.as_ref().unwrap().parameters.is_empty() {
@@ -105,7 +106,7 @@ pub(super) const CHANGES: &[Change] = &[
       writer.write_value(inline_qos)?;
     }",
     ),
-    // Each reader has a cache of its own. In one that all readers of a topic share, a new reader finds old messages.
+    // Each reader has its own cache. In a cache shared by all readers of a topic, a new reader finds old messages.
     (
         "src/dds/pubsub.rs",
         "    let topic_cache_handle = match dp.dds_cache().read() {

@@ -1,4 +1,4 @@
-//! Relative links in the documents lead somewhere, down to the heading.
+//! Checks that relative links in the documents have a target, including the heading.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use crate::workspace;
 
-/// Looks at every Markdown file of the repository.
+/// Checks every Markdown file of the repository.
 pub(super) fn check() -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for file in workspace::files("*.md")? {
@@ -49,7 +49,7 @@ fn has_heading(file: &PathBuf, heading: &str) -> bool {
     text.lines().filter(|line| line.starts_with('#')).any(|line| anchor(line) == heading)
 }
 
-/// The anchor that hosting sites give to a heading.
+/// The anchor of a heading on hosting sites.
 fn anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 
 use crate::workspace;
 
-/// The crates that are pure: no files, sockets, threads, processes or clocks.
+/// Pure crates: no files, sockets, threads, processes or clocks.
 const PURE: [&str; 4] = ["model", "engine", "planner", "protocol"];
 
 const HEADER: &str = "\
@@ -23,7 +23,7 @@ allow-print-in-tests = true
 doc-valid-idents = [\"SpaceBotCamp\", \"PyO3\", \"PyPI\", \"NaN\", \"NumPy\", \"CPython\", \"RAFCON\", \"GitHub\", \"..\"]
 ";
 
-/// A banned path and why.
+/// A banned path and the reason.
 type Ban = (&'static str, &'static str);
 
 const ORDER: &str = "its order differs from run to run; use BTreeMap, BTreeSet or an index";
@@ -88,7 +88,7 @@ pub(super) fn write() -> Result<()> {
     Ok(())
 }
 
-/// One finding for each file that differs from what would be generated.
+/// One finding for each outdated file.
 pub(super) fn check() -> Vec<String> {
     let stale = |(file, text): &(PathBuf, String)| {
         workspace::read(file).map_or(true, |found| found != *text)

@@ -1,4 +1,4 @@
-//! Checks of this repository that neither the compiler nor clippy makes; each check is one module.
+//! Checks of this repository beyond compiler and clippy, one module each.
 
 mod limits;
 mod links;
@@ -11,7 +11,7 @@ mod words;
 
 use anyhow::{Result, bail};
 
-/// What `cargo xtask tidy` can be asked for.
+/// Options of `cargo xtask tidy`.
 #[derive(clap::Args, Clone, Default)]
 pub(crate) struct TidyOptions {
     /// Rewrite generated files, and lower the budgets of prose.
@@ -22,7 +22,7 @@ pub(crate) struct TidyOptions {
     prose: Option<String>,
 }
 
-/// Runs every check, shows every finding, and fails if there is one.
+/// Runs all checks, prints all findings, and fails if there are any.
 pub(crate) fn run(options: &TidyOptions) -> Result<()> {
     if let Some(place) = &options.prose {
         return prose::show(place);

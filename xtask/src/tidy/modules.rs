@@ -1,4 +1,4 @@
-//! Every module opens with its `//!`, and stays readable in size.
+//! Checks that every module begins with `//!`, and has a readable size.
 
 use std::path::{Component, Path};
 
@@ -6,14 +6,14 @@ use anyhow::Result;
 
 use crate::workspace;
 
-/// Above this many lines a module says in its `//!` why it is that long.
+/// Number of lines above which a module must give a reason in its `//!`.
 const LINES_WITHOUT_REASON: usize = 600;
-/// No module outside tests is longer.
+/// Maximum number of lines of a module outside tests.
 const LINES_MAX: usize = 1000;
-/// How that reason begins.
+/// Beginning of that reason.
 const REASON: &str = "//! Long because";
 
-/// Looks at every Rust file of the repository.
+/// Checks every Rust file of the repository.
 pub(super) fn check() -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for file in workspace::files("*.rs")? {
@@ -47,7 +47,7 @@ fn findings_in(file: &Path, text: &str) -> Vec<String> {
     findings
 }
 
-/// Whether a file holds tests and nothing of a product.
+/// True if a file contains only tests.
 pub(super) fn is_test(file: &Path) -> bool {
     file.ends_with("tests.rs")
         || file.components().any(|part| part == Component::Normal("tests".as_ref()))

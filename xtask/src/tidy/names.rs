@@ -1,4 +1,4 @@
-//! A type's name stands for one thing in its crate, and what is called like a question only answers.
+//! Checks that a type name has one meaning in its crate, and that functions with names of questions only return an answer.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,14 +8,14 @@ use anyhow::Result;
 use super::modules::is_test;
 use crate::workspace;
 
-/// How a name begins that asks.
+/// Prefixes of names that are questions.
 const QUESTIONS: [&str; 4] = ["is_", "has_", "are_", "was_"];
-/// Names that traits of other crates give.
+/// Names from traits of other crates.
 const FOREIGN: [&str; 1] = ["is_open"];
-/// Where the tests of a file begin.
+/// Beginning of the tests in a file.
 const TESTS: &str = "\n#[cfg(test)]\nmod ";
 
-/// Looks at every Rust file of the repository.
+/// Checks every Rust file of the repository.
 pub(super) fn check() -> Result<Vec<String>> {
     let mut findings = Vec::new();
     let mut types: BTreeMap<(PathBuf, String), PathBuf> = BTreeMap::new();
@@ -38,7 +38,7 @@ pub(super) fn check() -> Result<Vec<String>> {
     Ok(findings)
 }
 
-/// The `src` folder that a file of a product lies in; none for tests.
+/// The `src` folder of a product file; `None` for tests.
 fn source_folder(file: &Path) -> Option<PathBuf> {
     let parts: Vec<_> = file.components().collect();
     let source = parts.iter().position(|part| part.as_os_str() == "src")?;
@@ -57,7 +57,7 @@ fn type_names(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// What is called like a question and waits, takes what it may change, or answers nothing.
+/// Functions with names of questions that wait, may change their object, or return nothing.
 fn questions_that_act(text: &str) -> Vec<String> {
     let mut findings = Vec::new();
     for (at, _) in text.match_indices("fn ") {
@@ -76,7 +76,7 @@ fn questions_that_act(text: &str) -> Vec<String> {
         let signature = rest.split(['{', ';']).next().unwrap_or_default();
         let acts =
             line.contains("async ") || signature.contains("&mut self") || !signature.contains("->");
-        // A test says what holds.
+        // Names of tests are statements.
         let is_test = text[..at].trim_end().ends_with("#[test]");
         if acts && !is_test {
             findings.push(format!(

@@ -1,14 +1,14 @@
-//! Words that must not stand in the repository: places that exist on one machine only.
+//! Checks for forbidden words: locations that exist on one machine only.
 
 use anyhow::Result;
 
 use crate::workspace;
 
-/// Each is written in two halves, so that this list does not find itself.
+/// Each is written in two halves, so that this list does not match itself.
 const FORBIDDEN: [(&str, &str); 4] =
     [("/wo", "rk/"), ("shared/", "docs"), ("shared/", "conformance"), ("reference-", "core.md")];
 
-/// Looks at every text file of the repository.
+/// Checks every text file of the repository.
 pub(super) fn check() -> Result<Vec<String>> {
     let mut findings = Vec::new();
     for file in workspace::files("*")? {

@@ -1,7 +1,7 @@
-//! `docs/limits.md` lists every bound of the sources with its value; this check compares them.
+//! Checks that `docs/limits.md` lists every bound of the sources with its value.
 //!
-//! A bound is a constant whose name has one of the [`WORDS`]. A row names its file and its constant in backticks,
-//! then its value, its effect, and the tests that reach it. A row without a test says why input cannot reach the bound.
+//! A bound is a constant whose name has one of the [`WORDS`]. A row names its file and its constant in backticks, then its
+//! value, its effect, and the tests that reach it. A row without a test gives the reason why input cannot reach the bound.
 
 mod value;
 
@@ -15,21 +15,21 @@ use value::Value;
 
 /// The list, relative to the repository.
 const DOCUMENT: &str = "docs/limits.md";
-/// Parts of a constant's name that make it a bound.
+/// Parts of a constant's name that mark a bound.
 const WORDS: [&str; 7] = ["MAX", "LIMIT", "MOST", "CAPACITY", "QUEUE", "WAITING", "LONGEST"];
-/// Stands in the last column of a row whose bound no test reaches.
+/// Last column of a row whose bound no test reaches.
 const UNTESTED: &str = "–";
-/// Begins the reason in a row without a test.
+/// Beginning of the reason in a row without a test.
 const UNREACHABLE: &str = "no bound that input reaches";
 
-/// File and constant.
+/// Key of a row: file and constant.
 type Key = (String, String);
 
 /// A row of the list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct LimitRow {
     value: String,
-    /// Or cannot be reached.
+    /// True if a test reaches the bound, or input cannot.
     is_tested: bool,
 }
 
@@ -46,7 +46,7 @@ pub(super) fn check() -> Result<Vec<String>> {
     Ok(findings(&rows, &bounds))
 }
 
-/// A source of what ships: no tests, benches, examples or developer's tools.
+/// True for product sources: no tests, benches, examples or developer tools.
 fn is_source(file: &Path) -> bool {
     let parts: Vec<_> = file.iter().filter_map(|part| part.to_str()).collect();
     let is_shipped = matches!(
@@ -82,7 +82,7 @@ fn findings(rows: &BTreeMap<Key, LimitRow>, bounds: &BTreeMap<Key, String>) -> V
     findings
 }
 
-/// The bounds that a file declares, with their expressions.
+/// The bounds declared in a file, with their expressions.
 fn constants(text: &str) -> Vec<(String, String)> {
     let production = text.split("\n#[cfg(test)]\nmod ").next().unwrap_or_default();
     let mut found = Vec::new();

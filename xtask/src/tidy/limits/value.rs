@@ -1,6 +1,6 @@
-//! Values of bounds: as sources compute them and as the list writes them.
+//! Values of bounds in sources and in the list.
 
-/// A number, a time in milliseconds, or a text that only its author understands.
+/// A number, a time in milliseconds, or a text without further interpretation.
 #[derive(Debug, PartialEq)]
 pub(super) enum Value {
     Number(f64),
@@ -46,7 +46,7 @@ impl Value {
     }
 }
 
-/// A text without what format may change.
+/// A text without differences in formatting.
 fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace()).collect()
 }

@@ -1,4 +1,4 @@
-//! The budgets of all places, as a table that a person can read.
+//! The budgets of all places, as a readable table.
 
 use std::collections::BTreeMap;
 
@@ -97,7 +97,7 @@ fn compare(now: &Measures, budget: &Measures) -> [(&'static str, u32, u32); 5] {
     ]
 }
 
-/// The recorded hits, and a part of what came since.
+/// The recorded hits, plus a share of newer lines.
 fn allowed(now: Share, budget: Share) -> u32 {
     let new = now.total.saturating_sub(budget.total);
     budget.hits + (new * NEW_PERCENT).div_ceil(100)

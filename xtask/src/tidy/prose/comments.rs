@@ -7,10 +7,10 @@ use regex::Regex;
 use super::places::Language;
 use super::{Hit, Share};
 
-/// A line number, counted from 1, and the text there.
+/// A line number, counted from 1, and its text.
 pub(super) type Line = (usize, String);
 
-/// The most words of a short doc.
+/// Maximum number of words in a short doc.
 const SHORT_WORDS: usize = 3;
 
 /// The comments of a source, or the sentences of a document.
@@ -51,7 +51,7 @@ fn slashes(text: &str) -> Vec<Line> {
     lines
 }
 
-/// Sentences of more than two words outside code; a cell of a table is a sentence at least.
+/// Sentences of more than two words outside code; each cell of a table counts as at least one sentence.
 fn sentences(text: &str) -> Vec<Line> {
     static CODE: LazyLock<Option<Regex>> = LazyLock::new(|| Regex::new(r"`[^`]*`|<!--.*?-->").ok());
     static END: LazyLock<Option<Regex>> = LazyLock::new(|| Regex::new(r"([.!?;:]) +").ok());
@@ -73,7 +73,7 @@ fn sentences(text: &str) -> Vec<Line> {
     found
 }
 
-/// Counts documentation of one line that has three words or fewer.
+/// Counts one-line documentation with three words or fewer.
 pub(super) fn count_short_docs(share: &mut Share, text: &str) -> Vec<Hit> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let is_doc = |at: Option<usize>| {

@@ -1,4 +1,4 @@
-//! Identifiers that are to be renamed, and parameters that are tuples.
+//! Retired identifiers, and parameters that are tuples.
 
 use std::sync::LazyLock;
 
@@ -7,7 +7,7 @@ use regex::Regex;
 use super::Hit;
 use super::places::Language;
 
-/// Retired in Rust; behind each the name that replaces it.
+/// Retired in Rust, each with its replacement.
 const RUST: [(&str, &str); 24] = [
     ("ink", "writer"),
     ("crew", "worker_pool"),

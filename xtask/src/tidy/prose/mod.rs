@@ -1,4 +1,4 @@
-//! Measures the language of comments, documents and texts, and holds it by budgets that may only fall.
+//! Measures the language of comments, documents and texts, and compares it with budgets that may only fall.
 //!
 //! `CONTRIBUTING.md` explains the measures. `xtask/prose_budgets.txt` has the figures of each place.
 
@@ -32,9 +32,9 @@ struct Measures {
     comments: Share,
     /// String literals that are sentences, with a tic.
     texts: Share,
-    /// Documentation of one line, of three words or fewer.
+    /// One-line documentation with three words or fewer.
     short_docs: Share,
-    /// Uses of identifiers that are to be renamed.
+    /// Uses of retired identifiers.
     retired: u32,
     /// Parameters that are tuples.
     tuples: u32,
@@ -58,7 +58,7 @@ pub(super) fn check() -> Result<Vec<String>> {
     Ok(budgets.findings(&measure(None)?))
 }
 
-/// Lowers the budgets to what is measured, where that is less.
+/// Lowers the budgets to the measured figures, if these are lower.
 pub(super) fn write() -> Result<()> {
     Budgets::read()?.lowered(&measure(None)?).write()
 }

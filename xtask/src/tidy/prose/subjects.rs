@@ -2,10 +2,10 @@
 
 use crate::process;
 
-/// The most characters of a subject.
+/// Maximum number of characters of a subject.
 const LENGTH_MAX: usize = 65;
 
-/// Lists the subjects since a commit that have another form. They cannot be changed any more, so nothing fails.
+/// Lists the malformed subjects since a commit. They can no longer be changed, so the check does not fail.
 #[expect(clippy::print_stderr, reason = "a hint to the developer")]
 pub(super) fn show(since: &str) {
     let mut git = process::command("git");

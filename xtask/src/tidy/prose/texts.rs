@@ -7,9 +7,9 @@ use regex::Regex;
 use super::comments::Line;
 use super::places::Language;
 
-/// Line that begins the tests of a Rust file.
+/// First line of the tests of a Rust file.
 const TESTS: &str = "\n#[cfg(test)]\nmod ";
-/// The fewest words of a literal that counts as a sentence.
+/// Minimum number of words of a literal that counts as a sentence.
 const SENTENCE_WORDS: usize = 3;
 
 /// The literals of three words and more, line by line, without those of the tests at the end of a Rust file.

@@ -1,4 +1,4 @@
-//! Words and openings that a plain technical text does without.
+//! Words and openings that plain technical text avoids.
 
 use std::sync::LazyLock;
 
@@ -7,7 +7,7 @@ use regex::Regex;
 use super::comments::Line;
 use super::{Hit, Share};
 
-/// One pattern a tic. Each is searched for in one line of a comment or in one sentence.
+/// The patterns, one for each tic. Each is searched for in a comment line or a sentence.
 const TICS: [&str; 17] = [
     r"\b[Ss]o (?:many|much|often|long|far)\b",
     r"\b[Ww]hoever\b",
