@@ -25,7 +25,7 @@ pub(crate) fn lint() -> Result<()> {
     process::run(process::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
-/// Everything.
+/// Runs all checks and all tests.
 pub(crate) fn run() -> Result<()> {
     lint()?;
     test::run(&test::TestOptions::default())

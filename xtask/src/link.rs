@@ -16,7 +16,7 @@ pub(crate) struct SpacebotcampOptions {
     /// Number of simulated worlds.
     #[arg(long, default_value_t = 100)]
     seeds: u64,
-    /// The first seed.
+    /// Seed of the first world.
     #[arg(long, default_value_t = 0)]
     from: u64,
     /// Run once in real time instead, with real programs, operators and a browser.
@@ -79,7 +79,7 @@ pub(crate) fn link_proxy(options: &LinkProxyOptions) -> Result<()> {
     process::run(process::command(proxy()?).args(&options.words))
 }
 
-/// Builds the proxy.
+/// Builds the proxy and returns its path.
 pub(crate) fn proxy() -> Result<PathBuf> {
     let build =
         ["build", "--release", "--quiet", "-p", "rafcon-testkit", "--example", "link_proxy"];

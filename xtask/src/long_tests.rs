@@ -1,5 +1,6 @@
-//! The long forms of tests, for a night instead of for continuous integration: random runs of the engine by the hundred thousand,
-//! damaged files of runs, saves, runners and servers killed by the thousand, runs with many branches or many clients.
+//! Long forms of the tests, for a night instead of for continuous integration: hundreds of thousands of random runs of the
+//! engine, damaged files of runs, thousands of killed saves, runners and servers, and runs with many branches or many
+//! clients.
 
 use std::process::Command;
 
@@ -8,42 +9,42 @@ use anyhow::Result;
 use crate::process;
 use crate::product::{Product, Profile};
 
-/// What `cargo xtask simulate` can be asked for.
+/// Options of `cargo xtask simulate`.
 #[derive(clap::Args)]
 pub(crate) struct SimulateOptions {
-    /// How many random machines run through random orders, each twice.
+    /// Number of random machines; each runs twice.
     #[arg(long, default_value_t = 100_000)]
     seeds: u64,
-    /// The first seed.
+    /// Seed of the first machine.
     #[arg(long, default_value_t = 0)]
     from: u64,
 }
 
-/// Prints what was exercised, or the first seed that broke a promise.
+/// Prints the coverage, or the first seed with a broken guarantee.
 pub(crate) fn simulate(options: &SimulateOptions) -> Result<()> {
     seeds(options.from, options.seeds)
 }
 
-/// So many seeds, in a release build.
+/// Runs this number of seeds in a release build.
 fn seeds(from: u64, count: u64) -> Result<()> {
     let simulate = ["run", "--release", "-p", "rafcon-engine", "--example", "simulate", "--"];
     let (from, count) = (from.to_string(), count.to_string());
     process::run(process::cargo().args(simulate).args(["--seeds", &count, "--from", &from]))
 }
 
-/// What `cargo xtask soak` can be asked for.
+/// Options of `cargo xtask soak`.
 #[derive(clap::Args)]
 pub(crate) struct SoakOptions {
-    /// How many random machines run through random orders.
+    /// Number of random machines.
     #[arg(long, default_value_t = 100_000)]
     seeds: u64,
-    /// How many saving processes are killed.
+    /// Number of saving processes to kill.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
-    /// How many runs with 64 branches are watched by viewers that come and go.
+    /// Number of runs with 64 branches whose viewers come and go.
     #[arg(long, default_value_t = 20)]
     wide: u32,
-    /// Instead of these: a server with many clients, one of them slow, one that never reads.
+    /// Instead of these: a server with many clients, one of which is slow and one never reads.
     #[arg(long)]
     server: bool,
     /// Instead of these: months of use of one server, a day at a time; three months take about two hours.
@@ -52,10 +53,10 @@ pub(crate) struct SoakOptions {
     /// Runs of each of these days.
     #[arg(long, default_value_t = 60)]
     runs: u32,
-    /// How many clients the server has.
+    /// Number of clients of the server.
     #[arg(long, default_value_t = 200)]
     clients: u32,
-    /// How long the run continues that they follow.
+    /// Duration of the run that they follow, in seconds.
     #[arg(long, default_value_t = 60)]
     seconds: u32,
     /// Instead of these: this many short runs of one robot, which its station receives one after the other.
@@ -63,7 +64,7 @@ pub(crate) struct SoakOptions {
     station: Option<u32>,
 }
 
-/// Runs what was asked for; the first failure ends it and names its seed.
+/// Runs the selected tests. The first failure ends them and names its seed.
 pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
     if options.server {
         return served(options);
@@ -85,7 +86,8 @@ pub(crate) fn soak(options: &SoakOptions) -> Result<()> {
     process::run(wide.env("RAFCON_TEST_WIDE", options.wide.to_string()))
 }
 
-/// The test that prints figures of a station which receives so many short runs, as lines of JSON with `name`, `value` and `unit`.
+/// The test of a station that receives this number of short runs. It prints figures as lines of JSON with `name`, `value`
+/// and `unit`.
 pub(crate) fn short_runs(runs: u32) -> Command {
     let mut cargo = process::cargo();
     cargo.args(["test", "--release", "-q", "-p", "rafcon-relay", "--test", "short_runs"]);
@@ -104,7 +106,7 @@ fn served(options: &SoakOptions) -> Result<()> {
 /// Days of a simulated month.
 const DAYS: u32 = 30;
 
-/// Simulates months of use; fails where memory, descriptors, threads or disk grow.
+/// Simulates months of use; fails if memory, descriptors, threads or disk usage grow.
 fn used(months: u32, runs: u32) -> Result<()> {
     Product::build(Profile::Release)?;
     let mut soak = long_form("months::months_of_use_leave_memory_descriptors_and_disk_flat");
@@ -112,18 +114,18 @@ fn used(months: u32, runs: u32) -> Result<()> {
     process::run(soak.env("RAFCON_TEST_RUNS", runs.to_string()))
 }
 
-/// What `cargo xtask corrupt` can be asked for.
+/// Options of `cargo xtask corrupt`.
 #[derive(clap::Args)]
 pub(crate) struct CorruptOptions {
-    /// How many runs are damaged, for the readers as such and for the commands each.
+    /// Number of runs to damage, for the readers and for the commands each.
     #[arg(long, default_value_t = 1000)]
     runs: u32,
-    /// The first seed; one that failed, to repeat it. Else the day's date.
+    /// The first seed; repeat a failed one with it. The default is the date.
     #[arg(long)]
     from: Option<u64>,
 }
 
-/// Damages and reads; the first failure ends it and names its seed.
+/// Damages files and reads them. The first failure ends the test and names its seed.
 pub(crate) fn corrupt(options: &CorruptOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let mut readers = process::cargo();
@@ -142,24 +144,24 @@ pub(crate) fn corrupt(options: &CorruptOptions) -> Result<()> {
     Ok(())
 }
 
-/// What `cargo xtask torture` can be asked for.
+/// Options of `cargo xtask torture`.
 #[derive(clap::Args)]
 pub(crate) struct TortureOptions {
-    /// How many processes are killed.
+    /// Number of processes to kill.
     #[arg(long, default_value_t = 1000)]
     kills: u32,
     /// Kill the server as well as the runner, while two clients follow and command.
     #[arg(long)]
     server: bool,
-    /// Kill robots' servers, stations and runners, while commands are on their way over a bad link.
+    /// Kill robots' servers, stations and runners, while commands are in flight over a bad link.
     #[arg(long, conflicts_with = "server")]
     link: bool,
-    /// The first seed; one that failed, to repeat it. Another one each day if none is named.
+    /// The first seed; repeat a failed one with it. The default differs each day.
     #[arg(long)]
     from: Option<u64>,
 }
 
-/// Kills and resumes; the last line says how many passed. The first failure ends it and names its seed.
+/// Kills and resumes; the last line has the number of successes. The first failure ends the test and names its seed.
 pub(crate) fn torture(options: &TortureOptions) -> Result<()> {
     Product::build(Profile::Release)?;
     let test = if options.server {
@@ -175,12 +177,12 @@ pub(crate) fn torture(options: &TortureOptions) -> Result<()> {
         kill.env("RAFCON_TEST_SEED", from.to_string());
     }
     process::run(&mut kill)?;
-    // The first that does not pass ends it, with its seed.
+    // A failure has ended the test before, with its seed.
     println!("{kills} of {kills} kills passed", kills = options.kills);
     Ok(())
 }
 
-/// A test of whole processes in a release build; its environment says how long it is.
+/// A test of whole processes in a release build; environment variables set its length.
 pub(crate) fn long_form(test: &str) -> Command {
     let mut cargo = process::cargo();
     cargo.args(["test", "--release", "-q", "-p", "rafcon", "--test", "it", test]);

@@ -6,7 +6,6 @@ use anyhow::Result;
 
 use crate::{process, workspace};
 
-/// Build profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Profile {
     /// Fast to build, for tests.
@@ -28,12 +27,11 @@ impl Profile {
     }
 }
 
-/// A finished build.
 #[derive(Debug)]
 pub(crate) struct Product {
     /// The command line program.
     pub(crate) binary: PathBuf,
-    /// The extension module.
+    /// Path of the extension module.
     pub(crate) extension: PathBuf,
 }
 

@@ -11,7 +11,6 @@ use crate::process;
 /// Tested Python versions, as minor numbers of Python 3.
 const MINORS: std::ops::RangeInclusive<u32> = 9..=14;
 
-/// A working interpreter.
 #[derive(Debug, Clone)]
 pub(crate) struct Interpreter {
     /// Version, such as `3.11`.

@@ -13,7 +13,6 @@ const CONTENTS: python::Contents = python::Contents {
     full: &["jsonconversion<2", "yaml_configuration", "PyYAML", "psutil<6", "packaging", "numpy"],
 };
 
-/// The installed reference.
 #[derive(Debug)]
 pub(crate) struct Reference {
     /// The interpreter of its virtual environment.

@@ -1,5 +1,5 @@
-//! All tests: Rust, documentation, Python side with every interpreter found, the server's interface, the page without and with
-//! a browser, conformance with the reference.
+//! All tests: Rust, documentation, the Python package with every interpreter found, the server's interface, the page
+//! without and with a browser, and conformance with the reference.
 
 use std::collections::VecDeque;
 use std::io::{BufRead as _, BufReader, Read};
@@ -17,32 +17,32 @@ use crate::product::{Product, Profile};
 use crate::reference::Reference;
 use crate::{bench_web, process, python, types, web, workspace};
 
-/// What the Python-side tests need besides the extension.
+/// Packages for the Python tests, in addition to the extension.
 const CONTENTS: python::Contents =
     python::Contents { bare: &[], full: &["numpy", "mypy>=1.11,<2"] };
 
 /// The default engine of plans.
 const ENGINE: python::Contents = python::Contents { bare: &["kairos-planner==1.0.6"], full: &[] };
 
-/// A plugin of the reference that makes machines by this package, with its examples.
+/// A plugin of the reference that generates machines with this package, and its examples.
 const PLANNER: (&str, &str) = ("rafcon-task-planner-plugin", "1.5.2");
 
-/// What the tests of the server's interface need: a client's WebSocket, and a tool that tries what a description promises.
+/// Packages for the tests of the server's interface: a WebSocket client, and a tool that checks the description.
 const INTERFACE: python::Contents =
     python::Contents { bare: &[], full: &["websockets==17.4", "schemathesis==4.32.5"] };
 
-/// What `cargo xtask test` can be asked for.
+/// Options of `cargo xtask test`.
 #[derive(clap::Args, Default)]
 pub(crate) struct TestOptions {
     /// Run only this part.
     #[arg(long, value_enum)]
     only: Option<Part>,
-    /// Use what was built before.
+    /// Use an earlier build.
     #[arg(long)]
     no_build: bool,
 }
 
-/// The parts, in the order in which they run.
+/// Parts of the tests, in execution order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Part {
     /// Tests and documentation tests of all crates.
@@ -55,25 +55,25 @@ enum Part {
     Web,
     /// The page in a browser, against the real server.
     E2e,
-    /// The same machines in both engines.
+    /// Comparison of machines in both engines.
     Conformance,
 }
 
-/// Those that run beside each other, the longest first: each waits a good deal for interpreters, browsers and disks.
+/// Parts that run in parallel, the longest first: each often waits for interpreters, browsers and disks.
 const SIDE_BY_SIDE: [Part; 5] = [Part::E2e, Part::Python, Part::Api, Part::Conformance, Part::Web];
-/// So many at a time.
+/// Maximum number of parallel parts.
 const AT_ONCE: usize = 2;
-/// So many lines of a part that failed are shown again.
+/// Number of last lines to repeat of a failed part.
 const LAST_LINES: usize = 60;
 
-/// Runs them all, or the part asked for, setting up what they need.
+/// Runs all parts, or the selected one, and sets up their dependencies.
 pub(crate) fn run(options: &TestOptions) -> Result<()> {
     let build = if options.no_build { Product::built } else { Product::build };
     let product = build(Profile::Debug)?;
     if let Some(part) = options.only {
         return run_part(part, &product);
     }
-    // Rust's tests want the processor, and what the parts after them need comes over the network.
+    // Rust's tests need the processor, while the dependencies of later parts come over the network.
     thread::scope(|scope| {
         let needed = scope.spawn(install);
         rust()?;
@@ -82,7 +82,8 @@ pub(crate) fn run(options: &TestOptions) -> Result<()> {
     run_side_by_side()
 }
 
-/// What the parts need besides what is built; each looks for it again, and then it is there: two at once would disturb each other.
+/// Installs the dependencies of the parts beforehand. Each part checks them again, but parallel installations would disturb
+/// each other.
 fn install() -> Result<()> {
     Reference::installed()?;
     web::install()?;
@@ -106,8 +107,8 @@ fn run_part(part: Part, product: &Product) -> Result<()> {
     }
 }
 
-/// Each part in a process of its own, whose lines begin with its name. All run to their end, whatever fails.
-/// The last lines of those that failed are shown once more, where nothing of another part is between them.
+/// Runs each part in its own process, with its name before each line. All parts run to their end, even if others fail. The
+/// last lines of failed parts are repeated without interleaving.
 fn run_side_by_side() -> Result<()> {
     let results = process::side_by_side(&SIDE_BY_SIDE, AT_ONCE, |part| run_beside(*part));
     let failed = results.into_iter().filter_map(Result::err);
@@ -120,7 +121,7 @@ fn run_side_by_side() -> Result<()> {
 
 fn run_beside(part: Part) -> Result<()> {
     let name = part.to_possible_value().context("a part without a name")?.get_name().to_owned();
-    // Not this very program: the tests of all crates may have built another one in its place.
+    // Start a current build: the tests of all crates may have replaced this program.
     let mut command = process::cargo();
     command.args(["xtask", "test", "--no-build", "--only", &name]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
@@ -171,10 +172,10 @@ fn has_nextest() -> bool {
     asked.is_ok_and(|status| status.success())
 }
 
-/// What interpreters between the oldest and the newest run: the extension, scripts and values.
+/// Tests for interpreters between the oldest and the newest: the extension, scripts and values.
 const BETWEEN: &str = "test_[esv][cxa]*.py";
 
-/// `crates/python/tests/test_*.py`: all with the oldest and the newest interpreter, the basic ones with those between.
+/// `crates/python/tests/test_*.py`: all with the oldest and the newest interpreter, the basic ones with the others.
 fn python_side(product: &Product) -> Result<()> {
     let reference = Reference::installed()?;
     let planner = planner()?;
@@ -200,7 +201,7 @@ pub(crate) fn planner() -> Result<PathBuf> {
     python::sources(&python::default()?, &workspace::target()?.join("plugins"), PLANNER)
 }
 
-/// A Python with the default engine beside it.
+/// A Python with the default engine next to it.
 pub(crate) fn engine_environment() -> Result<PathBuf> {
     let folder = workspace::target()?.join("engine-venv");
     python::environment(&python::default()?, &folder, ENGINE)
@@ -221,7 +222,7 @@ fn interface_environment() -> Result<PathBuf> {
     python::environment(&python::default()?, &folder, INTERFACE)
 }
 
-/// `web/e2e`: a browser, the page as it is built, the real server and the reference's core. And a run that is watched for a while.
+/// `web/e2e`: a browser, the built page, the real server and the reference's core. Also a short watch of a run.
 fn browser(product: &Product) -> Result<()> {
     web::build()?;
     let reference = Reference::installed()?;
@@ -235,7 +236,7 @@ fn browser(product: &Product) -> Result<()> {
     bench_web::soak_briefly(product)
 }
 
-/// All tests in a folder.
+/// Runs all tests in a folder.
 fn discover(python: &Path, folder: &str, product: &Product) -> Command {
     let mut command = python::command(python);
     command

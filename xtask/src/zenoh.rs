@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, ensure};
 use crate::product::{Product, Profile};
 use crate::{link, process, python, workspace};
 
-/// A foreign peer.
+/// Zenoh's own Python package, as a foreign peer.
 const STRANGER: python::Contents = python::Contents { bare: &[], full: &["eclipse-zenoh==1.10.2"] };
 
 /// The quick checks that run with all others: its format, and the existence of its lock file. Compiling it takes too long

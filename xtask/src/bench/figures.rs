@@ -1,24 +1,24 @@
-//! The figures that we promise, in the order in which they are printed.
+//! The figures with bars, in the order of the output.
 
-/// What is promised of a figure.
+/// Bar of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Bar {
-    /// The higher the better, and not below this.
+    /// Minimum; higher is better.
     AtLeast(f64),
-    /// The lower the better, and not above this.
+    /// Maximum; lower is better.
     AtMost(f64),
 }
 
-/// One promised figure.
+/// A figure with a bar.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Figure {
-    /// Its name in the JSON lines.
+    /// Name in the JSON lines.
     pub(crate) name: &'static str,
-    /// Its unit there.
+    /// Unit in the JSON lines.
     pub(crate) unit: &'static str,
-    /// The promise.
+    /// The bar.
     pub(crate) bar: Bar,
-    /// What it is, for people.
+    /// Description for people.
     pub(crate) meaning: &'static str,
 }
 
@@ -30,7 +30,7 @@ const fn most(name: &'static str, unit: &'static str, bar: f64, meaning: &'stati
     Figure { name, unit, bar: Bar::AtMost(bar), meaning }
 }
 
-/// All of them.
+/// All figures with bars.
 pub(crate) const ALL: [Figure; 27] = [
     least(
         "python_flat_states_per_s",
@@ -44,11 +44,12 @@ pub(crate) const ALL: [Figure; 27] = [
         200.0,
         "the same, against the reference in this run",
     ),
-    // The processor executes 1.7 instructions for each one of the loop (measured with callgrind). The rest is one system call a state,
-    // which assigns the output of child processes and native code to it: a bar of 0.5 would cost that.
+    // The engine executes 1.7 instructions for each instruction of the loop (measured with callgrind). The rest is one
+    // system call per state, which attributes the output of child processes and native code to it. A bar of 0.5 would
+    // require its removal.
     least("python_flat_over_call_loop", "ratio", 0.4, "the same, against a bare CPython call loop"),
-    // A profile shows no function above 9 %: 25 % of the time are the first writes to the memory of the events and their end, which
-    // copies have, too, and the rest is spread over all of the engine.
+    // A profile shows no function above 9 %. The first writes to the memory of the events and its release take 25 % of the
+    // time, as for copies; the rest is spread over the whole engine.
     least(
         "native_flat_over_copies",
         "ratio",
@@ -98,7 +99,7 @@ pub(crate) const ALL: [Figure; 27] = [
         "the same from a client of the server, over HTTP or WebSocket, whichever takes longer",
     ),
     most("server_status_ms", "ms", 15.0, "a state's change to the status that a client is told"),
-    // Checks, the document as JSON and the client's parser take as long as the load.
+    // Checks, the JSON document and the client's parser take as long as the load.
     most(
         "server_open_10000_over_load",
         "ratio",
@@ -112,8 +113,8 @@ pub(crate) const ALL: [Figure; 27] = [
         1.1,
         "slowest 1 % of states' ends at 1,000 states/s, 50 clients following over none",
     ),
-    // Half of it is the load of the machine and the start of the interpreter, which are bars of their own: a computer on which the
-    // load takes 175 ms needs 485 to 556 ms.
+    // The load of the machine and the start of the interpreter take half of it, and have bars of their own. A computer that
+    // loads in 175 ms needs 485 to 556 ms.
     most(
         "resume_10000_ms",
         "ms",
@@ -129,7 +130,7 @@ pub(crate) const ALL: [Figure; 27] = [
 ];
 
 impl Bar {
-    /// Whether the promise is kept.
+    /// True if the value meets the bar.
     pub(crate) fn is_kept(self, value: f64) -> bool {
         match self {
             Self::AtLeast(bar) => value >= bar,
@@ -138,7 +139,7 @@ impl Bar {
     }
 }
 
-/// The middle of the values; nothing if there are none.
+/// The median; `None` without values.
 pub(crate) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let (low, high) =

@@ -1,4 +1,4 @@
-//! Figures of runs that are kept: how fast they are, how large, and how soon a command has its effect.
+//! Figures of recorded runs: speed, size, and the delay of commands.
 
 use std::fs;
 use std::path::Path;
@@ -9,10 +9,10 @@ use super::whole_process::{Bench, RUNS, json, numbers};
 use super::{Measured, middle};
 use crate::process;
 
-/// How many states the flat machine runs.
+/// Number of states that the flat machine runs.
 const FLAT_STATES: f64 = 400_000.0;
 
-/// Measures them all.
+/// Measures all figures.
 pub(super) fn measure(bench: &Bench) -> Result<Vec<Measured>> {
     let mut measured = speeds(bench)?;
     let sizes = (0..RUNS).map(|_| bytes_per_state(bench));
@@ -22,7 +22,7 @@ pub(super) fn measure(bench: &Bench) -> Result<Vec<Measured>> {
     Ok(measured)
 }
 
-/// With everything kept, and against nothing kept; ratios are taken within each round and then their median.
+/// Compares full recording with none. Ratios are computed within each round, then their median.
 fn speeds(bench: &Bench) -> Result<Vec<Measured>> {
     let (mut full, mut over_off) = (Vec::new(), Vec::new());
     for _ in 0..RUNS {
@@ -35,7 +35,7 @@ fn speeds(bench: &Bench) -> Result<Vec<Measured>> {
     Ok(vec![middle("journal_full_states_per_s", full)?, middle("journal_over_off", over_off)?])
 }
 
-/// The flat machine has an `int`: its values are left out.
+/// Journal size per state without values, for the `int` counter of the flat machine.
 fn bytes_per_state(bench: &Bench) -> Result<f64> {
     let runs = bench.empty_runs()?;
     bench.speed(&mut bench.run_kept("flat", "status", runs))?;

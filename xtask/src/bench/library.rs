@@ -7,20 +7,20 @@ use super::Measured;
 use crate::process;
 use crate::product::{Product, Profile};
 
-/// What is measured inside one program.
+/// Figures measured inside one program.
 pub(crate) fn measure() -> Result<Vec<Measured>> {
     printed("figures")
 }
 
-/// What a client of a server sees.
+/// Figures measured by a client of a server.
 pub(crate) fn measure_server() -> Result<Vec<Measured>> {
-    // The server's runners need the extension beside the binary.
+    // The server's runners need the extension next to the binary.
     Product::build(Profile::Release)?;
     printed("server")
 }
 
-/// Runs the part of the server's bench that reads what scripts note, in a debug build, so that it does not rot. Its figures say
-/// nothing.
+/// Runs the part of the server's bench that reads the records of scripts, in a debug build, so that it keeps working. Its
+/// figures are meaningless.
 pub(crate) fn check_server_bench() -> Result<()> {
     let bench = ["bench", "--quiet", "--profile", "dev", "--workspace", "--bench", "server"];
     let printed = process::text(process::cargo().args(bench).args(["--", "command", "status"]))?;

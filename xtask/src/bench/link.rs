@@ -1,4 +1,5 @@
-//! What the link costs the robot: the speed of a run that is kept and sent to a station, over the speed of one that is only kept.
+//! Cost of the link for the robot: speed of a run that is recorded and sent to a station, divided by that of a recorded
+//! run.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -11,7 +12,7 @@ use super::whole_process::{Bench, RUNS};
 use super::{Measured, middle};
 use crate::{link, process};
 
-/// Measures it: both in turns, the ratio within each round, then the median.
+/// Measures both in turns, computes the ratio of each round, then the median.
 pub(super) fn measure(bench: &Bench) -> Result<Vec<Measured>> {
     let ratios = (0..RUNS).map(|_| {
         let without = speed(bench, false)?;
@@ -20,7 +21,7 @@ pub(super) fn measure(bench: &Bench) -> Result<Vec<Measured>> {
     Ok(vec![middle("no_link_cost_ratio", ratios.collect::<Result<_>>()?)?])
 }
 
-/// The speed of a run that a server follows; with a station, the server sends it there.
+/// Speed of a run that a server follows; with a station, the server sends the run there.
 fn speed(bench: &Bench, has_station: bool) -> Result<f64> {
     let runs = bench.empty_runs()?;
     let place = runs.with_file_name("link");
@@ -34,18 +35,18 @@ fn speed(bench: &Bench, has_station: bool) -> Result<f64> {
     bench.speed(&mut bench.run_kept("flat", "full", runs))
 }
 
-/// A robot and a station on this computer, with what they need.
+/// A robot and a station on this computer, with their folders.
 struct MeasuredLink<'b> {
     binary: &'b Path,
     place: PathBuf,
 }
 
-/// A server; killed when this is dropped.
+/// A server that is killed on drop.
 struct Server(Child);
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // One that ended by itself is as gone as it should be.
+        // The server may have ended by itself.
         drop(self.0.kill());
         drop(self.0.wait());
     }
@@ -58,7 +59,7 @@ impl MeasuredLink<'_> {
         command
     }
 
-    /// A station that is paired with the robot, and where it receives.
+    /// A station that is paired with the robot, and its address.
     fn station(&self) -> Result<(Server, String)> {
         link::pair(self.command("robot"), self.command("station"))?;
         let address = link::free_address()?;
@@ -77,7 +78,7 @@ impl MeasuredLink<'_> {
     }
 }
 
-/// Begins a server and waits until it listens.
+/// Starts a server and waits until it listens.
 fn begin(mut server: Command) -> Result<Server> {
     server.args(["--bind", "127.0.0.1:0"]).stdout(Stdio::piped()).stderr(Stdio::null());
     let mut child = server.spawn().context("cannot start the server")?;

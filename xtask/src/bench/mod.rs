@@ -1,4 +1,4 @@
-//! Figures of speed and memory, against what we promise and against the reference, measured in the same run.
+//! Figures of speed and memory, compared with our bars and with the reference in one run.
 
 mod figures;
 mod journal;
@@ -11,32 +11,32 @@ use serde_json::json;
 
 use figures::{ALL, Bar, Figure};
 
-/// What `cargo xtask bench` can be asked for.
+/// Options of `cargo xtask bench`.
 #[derive(clap::Args)]
 pub(crate) struct BenchOptions {
     /// Print one JSON object a line instead of a table.
     #[arg(long)]
     json: bool,
-    /// Measure only what concerns this part.
+    /// Measure only this part.
     #[arg(long, value_enum)]
     only: Option<BenchPart>,
 }
 
-/// Where a figure is measured.
+/// Place of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum BenchPart {
-    /// By running `rafcon run` and the reference.
+    /// `rafcon run` and the reference
     WholeProcess,
-    /// Inside one program, by `cargo bench`.
+    /// Inside one program, by `cargo bench`
     Library,
-    /// By clients of `rafcon serve`.
+    /// Clients of `rafcon serve`
     Server,
 }
 
-/// A measured figure by its name.
+/// A measured value with the name of its figure.
 type Measured = (String, f64);
 
-/// Measures and prints; fails if a promised figure could not be measured, not if it is missed.
+/// Measures and prints. Fails if a figure with a bar could not be measured, not if it misses its bar.
 pub(crate) fn run(options: &BenchOptions) -> Result<()> {
     let mut measured = Vec::new();
     let wanted = |part| options.only.is_none_or(|only| only == part);
@@ -77,7 +77,7 @@ fn row(figure: &Figure, value: f64) -> String {
     )
 }
 
-/// Three digits that matter.
+/// Rounds for display, with fewer decimals for larger values.
 fn number(value: f64) -> String {
     if value >= 1000.0 {
         format!("{value:.0}")
@@ -88,7 +88,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The median, under the name of the figure.
+/// The median, with the name of the figure.
 fn middle(name: &str, values: Vec<f64>) -> Result<Measured> {
     let value = figures::median(values).with_context(|| format!("no values for {name}"))?;
     Ok((name.to_owned(), value))

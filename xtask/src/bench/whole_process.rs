@@ -1,6 +1,6 @@
-//! Figures of whole processes: the release binary, the reference and bare CPython, taking turns on the same machine.
+//! Figures of whole processes: the release binary, the reference and bare CPython, in turns on one computer.
 //!
-//! The machines measure themselves and write their answer to a file, so that the figure is the engine's alone.
+//! The machines measure themselves and write their result to a file, so that the figure covers only the engine.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -13,9 +13,9 @@ use crate::product::{Product, Profile};
 use crate::reference::Reference;
 use crate::{process, python, workspace};
 
-/// How often everything is measured.
+/// Number of repetitions of each measurement.
 pub(super) const RUNS: usize = 5;
-/// Where a machine writes its answer.
+/// Environment variable with the file for a machine's result.
 const ANSWER: &str = "RAFCON_BENCH_ANSWER";
 
 pub(super) struct Bench {
@@ -23,11 +23,11 @@ pub(super) struct Bench {
     reference: Reference,
     machines: PathBuf,
     answer: PathBuf,
-    /// Where runs are kept; each measurement has a folder of its own in it.
+    /// Folder of recorded runs.
     runs: PathBuf,
 }
 
-/// Measures them all.
+/// Measures all figures.
 pub(crate) fn measure() -> Result<Vec<Measured>> {
     let folder = workspace::target()?.join("bench");
     let bench = Bench {
@@ -60,7 +60,7 @@ impl Bench {
         Ok(())
     }
 
-    /// The three figures of the flat machine; ratios are taken within each round and then their median.
+    /// The three figures of the flat machine. Ratios are computed within each round, then their median.
     fn flat(&self) -> Result<Vec<Measured>> {
         let (mut ours, mut over_reference, mut over_loop) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..RUNS {
@@ -81,13 +81,13 @@ impl Bench {
         ])
     }
 
-    /// All times that a machine takes of itself, over all runs.
+    /// All durations that a machine measures of itself, over all runs.
     fn times(&self, machine: &str) -> Result<Vec<f64>> {
         let runs = (0..RUNS).map(|_| numbers(&self.answer(&mut self.run(machine))?["times_ms"]));
         Ok(runs.collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// The start of our process to the first state, less the start of the bare interpreter.
+    /// Time from the start of our process to the first state, minus the start of the bare interpreter.
     fn first_state(&self) -> Result<Measured> {
         let bare = format!(
             "import json, os, time; json.dump({{'first_ns': time.perf_counter_ns()}}, open(os.environ['{ANSWER}'], 'w'))"
@@ -99,7 +99,7 @@ impl Bench {
         middle("first_state_ms", above.collect::<Result<_>>()?)
     }
 
-    /// How long a program takes from its start to its answer.
+    /// Time from the start of a program to its result.
     fn start(&self, program: &Command) -> Result<f64> {
         let mut stopwatch = self.helper("tests/bench/stopwatch.py");
         stopwatch.arg(program.get_program()).args(program.get_args());
@@ -107,15 +107,15 @@ impl Bench {
         numbers(&times["times_ms"])?.first().copied().context("the stopwatch took no time")
     }
 
-    /// `rafcon run` of a machine, as a user whose output goes to a file; the run is not kept.
+    /// `rafcon run` of a machine with output to a file, without recording.
     fn run(&self, machine: &str) -> Command {
         self.run_kept(machine, "off", &self.runs)
     }
 
-    /// The same, kept in `runs` as far as `keep` says.
+    /// `rafcon run` of a machine, recorded in `runs` at the level `keep`.
     pub(super) fn run_kept(&self, machine: &str, keep: &str, runs: &Path) -> Command {
         let mut run = process::command(&self.product.binary);
-        // Users let Python keep compiled modules.
+        // For users, Python caches compiled modules.
         run.env_remove("PYTHONDONTWRITEBYTECODE");
         run.arg("run").arg("--python").arg(&self.reference.python);
         run.args(["--keep", keep, "--runs"]).arg(runs).arg(self.machines.join(machine));
@@ -131,19 +131,19 @@ impl Bench {
         Ok(&self.runs)
     }
 
-    /// A helper in Python, which gets the answer's file by name.
+    /// A helper in Python, which receives the path of the result file.
     pub(super) fn helper(&self, script: &str) -> Command {
         let mut helper = python::command(&self.reference.python);
         helper.arg(script).env(ANSWER, &self.answer);
         helper
     }
 
-    /// What the machine says of its own speed.
+    /// Speed that the machine reports of itself.
     pub(super) fn speed(&self, command: &mut Command) -> Result<f64> {
         number(&self.answer(command)?["states_per_s"])
     }
 
-    /// Runs the command and reads what the machine wrote.
+    /// Runs the command and reads the result of the machine.
     fn answer(&self, command: &mut Command) -> Result<Value> {
         remove(&self.answer)?;
         process::quiet(command.env(ANSWER, &self.answer).stdout(Stdio::null()))?;

@@ -11,13 +11,13 @@ use super::expectations::{Expectations, Expected};
 use crate::reference::Reference;
 use crate::{process, python, workspace};
 
-/// Factor for sleeps.
+/// Factor for the sleeps in scripts.
 const TIME_SCALE: &str = "0.02";
 /// The folder of the conformance tests, relative to the repository.
 const HERE: &str = "tests/conformance";
 /// Folders that the generator writes there.
 const GENERATED: [&str; 2] = [OWN, OWN_LIBRARIES];
-/// Our own machines.
+/// Folder of our own machines.
 const OWN: &str = "machines";
 /// The libraries of our own machines.
 const OWN_LIBRARIES: &str = "libraries";

@@ -10,7 +10,6 @@ use crate::workspace;
 const FILE: &str = "tests/conformance/expectations.json";
 const DIFFERENCES: &str = "docs/differences.md";
 
-/// All expectations.
 #[derive(Debug)]
 pub(crate) struct Expectations {
     machines: BTreeMap<String, Expected>,

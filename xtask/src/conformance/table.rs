@@ -19,7 +19,7 @@ const DIFFERS: &str = "DIFFERS";
 const SKIPPED: &str = "skipped";
 
 impl Row {
-    /// A skipped machine.
+    /// Row of a skipped machine.
     pub(crate) fn skipped(machine: &str, reason: &str) -> Self {
         Self { machine: machine.to_owned(), verdict: SKIPPED, notes: vec![reason.to_owned()] }
     }
@@ -29,7 +29,7 @@ impl Row {
         Self { machine: machine.to_owned(), verdict: DIFFERS, notes: vec![format!("{reason:#}")] }
     }
 
-    /// A compared machine.
+    /// Row of a compared machine.
     pub(crate) fn compared(machine: &str, differences: &[Difference], expected: &Expected) -> Self {
         let explained = |difference: &&Difference| expected.explanation(difference.what).is_some();
         let verdict = match differences.iter().find(|it| !explained(it)) {

@@ -20,7 +20,7 @@ const DEAF: &str = "trap '' INT TERM HUP\ntail -f /dev/null &\nexec tail -f /dev
 const PROCESSES: usize = 4;
 /// Environment variable that all started processes inherit.
 const MARK: &str = "RAFCON_PLANNER_MARK";
-/// Timeout, in ms.
+/// Timeout of waiting for processes, in ms.
 const PATIENCE_MS: f64 = 20_000.0;
 
 /// Measures both kinds of cancellation: a signal, and a closed request.

@@ -9,7 +9,6 @@ pub(super) struct PlannerFigure {
     name: &'static str,
     /// The bar, if the figure has one.
     bar: Option<f64>,
-    /// Description for people.
     meaning: &'static str,
 }
 
@@ -76,7 +75,6 @@ const ALL: [PlannerFigure; 17] = [
 pub(super) struct Measured(Vec<(&'static str, f64)>);
 
 impl Measured {
-    /// Records a figure.
     pub(super) fn note(&mut self, name: &'static str, value: f64) {
         self.0.push((name, value));
     }

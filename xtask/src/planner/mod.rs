@@ -92,7 +92,7 @@ impl PlannerBench {
         Ok(command)
     }
 
-    /// Writes a problem.
+    /// Writes a problem to a file.
     fn facts(&self, name: &str, text: &str) -> Result<PathBuf> {
         let file = self.folder.join(name).with_extension("pddl");
         fs::write(&file, text)?;

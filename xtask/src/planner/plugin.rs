@@ -9,10 +9,10 @@ use super::{Planned, PlannerBench, REPEATS, middle, timed_plan};
 use crate::reference::Reference;
 use crate::{process, python, test, workspace};
 
-/// Runs the plugin.
+/// Program that runs the plugin.
 const PROGRAM: &str = include_str!("plugin.py");
 
-/// Measures both.
+/// Measures our planning and the plugin's.
 pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<()> {
     let plugin = test::planner()?;
     let example = plugin.join("examples/restaurant_tutorial");
