@@ -1,4 +1,4 @@
-//! What both sides do: open a session of Zenoh and open it anew when it is silent; put datagrams into it without ever waiting.
+//! Common parts of both sides: a Zenoh session that is reopened when it is silent, and non-blocking sending of datagrams.
 
 use crate::command_line::{Network, complain};
 use anyhow::{Result, anyhow};
@@ -11,18 +11,18 @@ use tokio::time::{Instant, sleep_until, timeout};
 use zenoh::Session;
 use zenoh::qos::{CongestionControl, Priority, Reliability};
 
-/// No datagram of the link is longer.
+/// Maximum length of a datagram of the link.
 pub(crate) const DATAGRAM_MAX: usize = 2_048;
-/// Room for a datagram, and for one more byte that shows that it is too long.
+/// Buffer for a datagram, with one more byte to detect a longer one.
 pub(crate) type Buffer = [u8; DATAGRAM_MAX + 1];
-/// A session that does not close within this time is left behind.
+/// Timeout for closing a session.
 const CLOSE: Duration = Duration::from_secs(2);
 
-/// When something arrived last, as far as it matters for the session.
+/// Time of the last arrival that counts for the session.
 #[derive(Debug)]
 pub(crate) struct LastHeard {
     since: Instant,
-    /// Milliseconds; 0 for never.
+    /// Time in milliseconds; 0 for never.
     at: AtomicU64,
 }
 
@@ -31,13 +31,13 @@ impl LastHeard {
         Self { since: Instant::now(), at: AtomicU64::new(0) }
     }
 
-    /// Something arrived.
+    /// Records an arrival.
     pub(crate) fn note(&self) {
         let now = u64::try_from(self.since.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.at.store(now.max(1), Ordering::Release);
     }
 
-    /// Ends when nothing has arrived for so long after something did.
+    /// Waits until nothing has arrived for this time after an arrival.
     async fn wait_for_silence(&self, silence: Duration) {
         loop {
             let heard = self.at.load(Ordering::Acquire);
@@ -52,8 +52,8 @@ impl LastHeard {
     }
 }
 
-/// Opens sessions, one after the other, and lets each be used until it is silent: a session whose other end forgot it does not always
-/// notice that by itself.
+/// Opens sessions in sequence, and lets each be used until it is silent. A session that its other end has dropped does not
+/// always detect that by itself.
 pub(crate) async fn keep_session<F: Future<Output = Result<()>>>(
     network: &Network,
     mut carry: impl FnMut(Session, std::sync::Arc<LastHeard>) -> F,
@@ -78,21 +78,21 @@ async fn open(network: &Network) -> Result<Session> {
     opened.map_err(|error| anyhow!(error).context("cannot open a session of Zenoh"))
 }
 
-/// Puts a datagram into the network, which drops it rather than wait.
+/// Puts a datagram into the network, which drops it instead of blocking.
 pub(crate) async fn put(session: &Session, key: &str, datagram: &[u8], priority: Priority) {
     let put = session.put(key, datagram);
     let put = put.congestion_control(CongestionControl::Drop).priority(priority).express(true);
-    // A network that is not there is a link that loses everything.
+    // A missing network is like a link that loses everything.
     drop(put.reliability(Reliability::BestEffort).await);
 }
 
-/// Receives the next datagram that is not too long, and the address of its sender.
+/// Receives the next datagram of valid length, with the address of its sender.
 pub(crate) async fn receive<'b>(
     socket: &UdpSocket,
     buffer: &'b mut Buffer,
 ) -> (&'b [u8], SocketAddr) {
     loop {
-        // The kernel reports here that nobody listens at the address of an earlier datagram.
+        // The kernel reports here that an earlier datagram was refused.
         if let Ok((length, from)) = socket.recv_from(buffer).await
             && length <= DATAGRAM_MAX
         {

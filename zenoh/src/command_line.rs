@@ -1,4 +1,4 @@
-//! The words of the command line, and how Zenoh is configured by them.
+//! The options of the command line, and the Zenoh configuration that they result in.
 
 use crate::keys::Fleet;
 use anyhow::{Context as _, Result, anyhow};
@@ -31,12 +31,12 @@ pub(crate) struct Network {
     /// Name of the fleet, the second part of all keys
     #[arg(long, value_name = "NAME", default_value = "fleet", global = true)]
     pub(crate) fleet: Fleet,
-    /// Open the Zenoh session anew if nothing arrives for so many seconds after something did
+    /// Reopen the Zenoh session if nothing arrives for this many seconds after an arrival
     #[arg(long, value_name = "SECONDS", default_value_t = 60, global = true)]
     pub(crate) silence: u64,
 }
 
-/// Which side this is.
+/// The side of the link.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Side {
     /// Beside a robot that serves with `--station udp://ADDRESS:PORT`
@@ -67,7 +67,7 @@ pub(crate) struct StationSide {
 }
 
 impl Network {
-    /// How Zenoh is configured. Whatever cannot be reached yet is tried again for ever.
+    /// The configuration of Zenoh. Unreachable endpoints are retried forever.
     pub(crate) fn config(&self) -> Result<Config> {
         let mut config = match &self.config {
             Some(file) => {
@@ -90,7 +90,7 @@ impl Network {
         }
         set("connect/timeout_ms", "-1")?;
         set("connect/exit_on_failure", "false")?;
-        // Zenoh waits longer from time to time by itself, and so would be silent long after a blackout.
+        // Zenoh's own retry interval grows, and so would delay the reconnection after a blackout.
         set(
             "connect/retry",
             "{ period_init_ms: 1000, period_max_ms: 2000, period_increase_factor: 2 }",
@@ -103,7 +103,7 @@ impl Network {
     }
 }
 
-/// Says something to people. A terminal that is gone stops nothing.
+/// Prints a message for people; ignores a closed error output.
 pub(crate) fn complain(text: &str) {
     writeln!(std::io::stderr(), "{text}").unwrap_or_default();
 }

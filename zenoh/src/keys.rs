@@ -1,4 +1,4 @@
-//! The keys under which datagrams travel. Pure.
+//! The keys of datagrams in Zenoh. Pure.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,12 +21,12 @@ impl fmt::Display for Fleet {
     }
 }
 
-/// What names are made of.
+/// Description of valid names, for errors.
 pub(crate) fn explain(what: &str) -> String {
     format!("a {what} is named by 1 to 64 letters, digits, `.`, `-` and `_`")
 }
 
-/// Whether it can be the name of a robot or a fleet.
+/// True for a valid name of a robot or a fleet.
 pub(crate) fn is_part(name: &str) -> bool {
     let fits = |letter: char| letter.is_ascii_alphanumeric() || ".-_".contains(letter);
     (1..=64).contains(&name.len()) && name.chars().all(fits)
@@ -43,12 +43,12 @@ impl Fleet {
         format!("rafcon/{self}/{robot}/up")
     }
 
-    /// Says that a robot is there; nothing depends on it.
+    /// Announces a robot; only the list of robots uses it.
     pub(crate) fn presence(&self, robot: &str) -> String {
         format!("rafcon/{self}/{robot}")
     }
 
-    /// The robot whose key this is.
+    /// The robot of this key.
     pub(crate) fn robot<'k>(&self, key: &'k str) -> Option<&'k str> {
         let mut parts = key.strip_prefix("rafcon/")?.split('/');
         let is_own = parts.next()? == self.0;

@@ -1,10 +1,10 @@
-//! Which robots are in the network now, by their tokens of liveliness. Nothing else depends on those.
+//! Robots currently in the network, from their liveliness tokens. Nothing else depends on these tokens.
 
 use crate::command_line::{Network, print};
 use anyhow::{Result, anyhow};
 use std::collections::BTreeSet;
 
-/// Whoever lists them does not wait for a network that is not there.
+/// Timeout of the connection to the network, in ms.
 const TIMEOUT_MS: &str = "10000";
 
 /// Prints the robots, one a line.

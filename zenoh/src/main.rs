@@ -1,7 +1,7 @@
 //! Carries the datagrams of RAFCON's link over Zenoh, between UDP ports of two computers.
 //!
-//! Robot and station send to this program as to any other address. It knows nothing of what it carries: each datagram is encrypted and
-//! authenticated, so whoever is in the same Zenoh network can neither read nor forge one.
+//! Robot and station send to this program as to any other address. It knows nothing of the content: each datagram is
+//! encrypted and authenticated, so other members of the Zenoh network can neither read nor forge one.
 
 mod carry;
 mod command_line;

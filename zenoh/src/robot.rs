@@ -1,4 +1,4 @@
-//! The side of a robot: its datagrams go down, and those of its stations come up to wherever it sent from last.
+//! The side of a robot: sends its datagrams to stations, and forwards those of its stations to its last source address.
 
 use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put, receive};
 use crate::command_line::{Network, RobotSide, print};
@@ -10,7 +10,7 @@ use tokio::net::UdpSocket;
 use zenoh::Session;
 use zenoh::qos::Priority;
 
-/// Where the robot's server sends from.
+/// Last source address of the robot's server.
 type RobotAddress = Arc<Mutex<Option<SocketAddr>>>;
 
 /// Carries the datagrams of one robot until this program ends.
@@ -46,7 +46,7 @@ async fn carry_in(
         let to = *to.lock().unwrap_or_else(PoisonError::into_inner);
         let payload = sample.payload().to_bytes();
         if let Some(to) = to.filter(|_| payload.len() <= DATAGRAM_MAX) {
-            // What the socket does not take now is lost, as on any link.
+            // A full socket drops the datagram, as on any link.
             drop(answering.try_send_to(&payload, to));
         }
     });

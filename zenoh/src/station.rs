@@ -1,5 +1,5 @@
-//! The side of a station: each robot of the fleet has a port of its own from which its datagrams come to the station, so that the
-//! station's answers find their robot.
+//! The side of a station. Each robot of the fleet has its own port, from which its datagrams are sent to the station, so
+//! that the station's responses reach that robot.
 
 use crate::carry::{DATAGRAM_MAX, LastHeard, keep_session, put, receive};
 use crate::command_line::{Network, StationSide, complain, print};
@@ -16,7 +16,8 @@ use tokio::task::AbortHandle;
 use zenoh::Session;
 use zenoh::qos::Priority;
 
-/// So many robots have ports. Of more, those go first to whom the station never answered: it did not know them.
+/// Maximum number of robots with a port. Beyond it, ports of robots without a response from the station are closed: the
+/// station does not know these robots.
 const ROBOTS_MAX: usize = 256;
 
 /// Carries the datagrams of a fleet to a station until this program ends.
@@ -59,7 +60,7 @@ struct Ports {
     session: Session,
     handle: Handle,
     ports: Mutex<BTreeMap<String, Port>>,
-    /// A robot got no port, which was reported.
+    /// True if a robot got no port and this was reported.
     is_full: AtomicBool,
 }
 
@@ -120,7 +121,7 @@ impl Ports {
     }
 }
 
-/// Makes room for one more port. False if the station answers all robots that have one.
+/// Makes room for one more port. False if the station has responded to every robot that has one.
 fn make_room(ports: &mut BTreeMap<String, Port>) -> bool {
     if ports.len() < ROBOTS_MAX {
         return true;
@@ -130,7 +131,7 @@ fn make_room(ports: &mut BTreeMap<String, Port>) -> bool {
     stranger.is_some_and(|name| ports.remove(&name).is_some())
 }
 
-/// Carries what the station sends to a robot.
+/// Forwards the station's datagrams to a robot.
 async fn carry_answers(
     session: Session,
     up: String,
@@ -175,7 +176,7 @@ mod tests {
         ports.insert("new".to_owned(), port(true).await);
         assert!(!make_room(&mut ports));
         assert_eq!(ports.len(), ROBOTS_MAX);
-        // A port that the station does not answer is there for the next robot.
+        // A port without a response from the station is freed for the next robot.
         ports["new"].is_answered.store(false, Ordering::Release);
         assert!(make_room(&mut ports));
     }
