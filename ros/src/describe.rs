@@ -1,4 +1,4 @@
-//! Types as JSON, for the program that asks.
+//! Types as JSON, for the parent program.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,8 @@ use crate::json::{self, Json};
 use crate::types::library::{Kind, Library, Type, TypeField};
 use crate::types::{Literal, Primitive, Shape, hash};
 
-/// All of `types` and what they are made of, by name: `{"name": {"fields": [[name, type, kind, size, text_max, default]], "constants": {}}}`.
+/// All of `types` and their nested types by name: `{"name": {"fields": [[name, type, kind, size, text_max, default]],
+/// "constants": {}}}`.
 pub(crate) fn all(types: &[&Type]) -> String {
     let mut known = BTreeMap::new();
     types.iter().for_each(|one| collect(one, &mut known));
@@ -16,7 +17,7 @@ pub(crate) fn all(types: &[&Type]) -> String {
     format!("{{{}}}", parts.join(","))
 }
 
-/// The hash of each type that lies in this program only, `{"name": "RIHS01_…"}`: their users elsewhere may have another version.
+/// Hashes of types that only this program contains, `{"name": "RIHS01_…"}`: remote users may have another version.
 pub(crate) fn hashes(library: &mut Library, names: &[String]) -> String {
     let mut parts = Vec::new();
     for name in names {

@@ -1,4 +1,4 @@
-//! Frames between this program and the one that started it: the text of a JSON object, and bytes behind it.
+//! Frames between this program and its parent: the text of a JSON object, followed by bytes.
 //!
 //! `docs/ros.md` describes them.
 
@@ -11,9 +11,9 @@ use tokio::sync::{Semaphore, mpsc};
 
 use crate::json::{self, Json};
 
-/// Bytes of a frame.
+/// Maximum size of a frame, in bytes.
 const FRAME_MAX: usize = 1 << 30;
-/// Bytes of messages that wait for the program that started this one.
+/// Capacity of the queue of messages for the parent, in bytes.
 const WAITING_MAX: usize = 64 << 20;
 
 /// A frame.
@@ -61,15 +61,15 @@ pub(crate) fn write(frame: &Frame, to: &mut impl Write) -> std::io::Result<()> {
     to.flush()
 }
 
-/// An entry of the queue before the writer.
+/// An entry of the writer's queue.
 enum Outgoing {
-    /// A frame, and how much room it takes.
+    /// A frame, with the capacity that it occupies.
     Frame(Frame, usize),
-    /// Everything before it has been written.
+    /// A request for a signal once all earlier entries are written.
     End(SyncSender<()>),
 }
 
-/// Where frames wait until they are written.
+/// Queue of frames for the parent.
 #[derive(Clone)]
 pub(crate) struct Outbox {
     frames: mpsc::UnboundedSender<Outgoing>,
@@ -77,7 +77,7 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// One whose frames a thread of its own writes to `to`, until that fails.
+    /// An outbox whose own thread writes frames to `to`, until a write fails.
     pub(crate) fn new(mut to: impl Write + Send + 'static) -> std::io::Result<Self> {
         let (frames, mut waiting) = mpsc::unbounded_channel();
         let room = Arc::new(Semaphore::new(WAITING_MAX));
@@ -85,7 +85,7 @@ impl Outbox {
         std::thread::Builder::new().name("frames".to_owned()).spawn(move || {
             while let Some(next) = waiting.blocking_recv() {
                 match next {
-                    // The input ends as well, and with it the program.
+                    // The input ends as well, which ends the program.
                     Outgoing::Frame(frame, _) if write(&frame, &mut to).is_err() => break,
                     Outgoing::Frame(_, size) => given_back.add_permits(size),
                     Outgoing::End(written) => written.send(()).unwrap_or_default(),
@@ -95,12 +95,12 @@ impl Outbox {
         Ok(Self { frames, room })
     }
 
-    /// Sends an answer, or something of which there are few.
+    /// Sends a response, or another rare frame, without a limit.
     pub(crate) fn tell(&self, text: String) {
         let _ = self.frames.send(Outgoing::Frame(Frame { text, bytes: Vec::new() }, 0));
     }
 
-    /// Sends a message, when there is room for it.
+    /// Sends a message, after waiting for capacity.
     pub(crate) async fn message(&self, frame: Frame) {
         let size = (frame.text.len() + frame.bytes.len()).min(WAITING_MAX);
         if let Ok(room) = self.room.acquire_many(u32::try_from(size).unwrap_or(u32::MAX)).await {
@@ -113,7 +113,7 @@ impl Outbox {
     pub(crate) fn end(&self, timeout: Duration) {
         let (written, is_written) = sync_channel(1);
         if self.frames.send(Outgoing::End(written)).is_ok() {
-            // The writer has ended if the other program reads no more.
+            // The writer has ended if the parent has closed its input.
             let _ = is_written.recv_timeout(timeout);
         }
     }
@@ -136,7 +136,7 @@ mod tests {
     use super::{FRAME_MAX, Frame, Outbox, WAITING_MAX, read, write};
     use crate::json::Json;
 
-    /// A program that reads a frame with each permission.
+    /// A test program that reads one frame per permission.
     struct Reader {
         may_read: Receiver<()>,
         lengths: SyncSender<usize>,
@@ -179,7 +179,7 @@ mod tests {
     async fn a_message_waits_for_room_and_answers_do_not() {
         let ((permit, may_read), (lengths, read)) = (sync_channel(8), sync_channel(8));
         let outbox = Outbox::new(Reader { may_read, lengths, taken: 0 }).unwrap();
-        // A message that is longer than the room takes all of it.
+        // A message longer than the capacity occupies all of it.
         outbox.message(frame(WAITING_MAX + 1)).await;
         let mut next = Box::pin(outbox.message(frame(1)));
         assert_eq!(next.as_mut().now_or_never(), None);

@@ -1,4 +1,4 @@
-//! What arrives: messages, responses and requests, each read by its type and told to the program that asked.
+//! Received messages, responses and requests: each is decoded by its type and forwarded to the parent program.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,24 +16,24 @@ use crate::frames::{Frame, Outbox};
 use crate::json;
 use crate::types::library::Type;
 
-/// Requests that a program has not answered.
+/// Maximum number of requests without a response of the program.
 const UNANSWERED_MAX: usize = 10_000;
 
-/// Calls that wait for their responses, by the numbers of their requests.
+/// Pending calls by the numbers of their requests.
 pub(crate) type Calls = Arc<Mutex<BTreeMap<i64, Call>>>;
 
-/// A call that waits for its response.
+/// A pending call.
 pub(crate) struct Call {
-    /// What the program calls it.
+    /// Number of the call at the parent program.
     pub(crate) number: u64,
-    /// The processes that had the request: another one, started since, never answers it.
+    /// Processes that received the request. A process started later never responds to it.
     pub(crate) servers: Vec<Process>,
 }
 
-/// A response that is on its way when its server goes has so long to arrive.
+/// Time for a response to arrive after its server has ended.
 const LAST_WORDS: Duration = Duration::from_millis(600);
 
-/// Requests that wait for their answers: to whom these go.
+/// Pending requests, with the recipients of their responses.
 pub(crate) type Asked = Arc<Mutex<Requests>>;
 
 /// See [`Asked`].
@@ -43,21 +43,21 @@ pub(crate) struct Requests {
     waiting: BTreeMap<u64, Request>,
 }
 
-/// To whom an answer goes.
+/// The recipient of a response.
 #[derive(Clone, Copy)]
 pub(crate) struct Request {
     pub(crate) to: SampleIdentity,
-    /// The writer that the request came from.
+    /// The writer of the request.
     pub(crate) from: GUID,
 }
 
 impl Requests {
-    /// Takes a request out.
+    /// Removes a request and returns it.
     pub(crate) fn take(&mut self, number: u64) -> Option<Request> {
         self.waiting.remove(&number)
     }
 
-    /// The frame of a request. A request that does not fit its type gets no answer, so it is not kept.
+    /// The frame of a request. A request of invalid content gets no response, so it is not kept.
     fn frame(
         &mut self,
         handle: u64,
@@ -77,7 +77,7 @@ impl Requests {
     }
 }
 
-/// A frame with the message at the end of its text, which begins as `head` does.
+/// A frame whose text begins with `head` and ends with the message.
 fn frame(head: String, payload: &Payload, of: &Type) -> Result<Frame, String> {
     let mut decoded = Decoded { text: head, arrays: Vec::new() };
     read::read(&payload.bytes, payload.little, of, &mut decoded)?;
@@ -85,7 +85,7 @@ fn frame(head: String, payload: &Payload, of: &Type) -> Result<Frame, String> {
     Ok(Frame { text: decoded.text, bytes: decoded.arrays })
 }
 
-/// Says what is wrong with messages, not each time: the first, second, fourth, eighth …
+/// Reports invalid messages, at increasing intervals: the first, second, fourth, eighth …
 struct Complaints<'a> {
     about: &'a str,
     outbox: &'a Outbox,
@@ -103,15 +103,15 @@ impl Complaints<'_> {
     }
 }
 
-/// What is heard, and who is told.
+/// Context of a receiver.
 pub(crate) struct Heard {
     pub(crate) of: Arc<Type>,
-    /// Of the topic or service.
+    /// Name of the topic or service.
     pub(crate) name: String,
     pub(crate) outbox: Outbox,
 }
 
-/// Tells each message of a topic, for ever.
+/// Forwards the messages of a topic, forever.
 pub(crate) async fn messages(reader: Reader, heard: Heard, handle: u64) {
     let Heard { of, name: topic, outbox } = heard;
     let mut complaints = Complaints { about: &topic, outbox: &outbox, count: 0 };
@@ -129,7 +129,7 @@ pub(crate) async fn messages(reader: Reader, heard: Heard, handle: u64) {
     }
 }
 
-/// Tells each response to a call, for ever. `writer` is what sends the requests.
+/// Forwards the responses to calls, forever. `writer` sends the requests.
 pub(crate) async fn responses(reader: Reader, heard: Heard, writer: GUID, calls: Calls) {
     let Heard { of, name: service, outbox } = heard;
     let own = reader.guid();
@@ -160,7 +160,7 @@ pub(crate) async fn responses(reader: Reader, heard: Heard, writer: GUID, calls:
     }
 }
 
-/// Tells the calls of a client whose servers have all gone, for ever. `writer` is what sends the requests.
+/// Reports the calls of a client whose servers have all ended, forever. `writer` sends the requests.
 pub(crate) async fn servers_gone(node: Node, writer: GUID, calls: Calls, outbox: Outbox) {
     let mut versions = node.graph().watch();
     while versions.changed().await.is_ok() {
@@ -177,12 +177,12 @@ pub(crate) async fn servers_gone(node: Node, writer: GUID, calls: Calls, outbox:
     }
 }
 
-/// The frame that says that a call will get no response.
+/// The frame for a call without a response.
 pub(crate) fn failed(call: u64, why: &str) -> String {
     format!(r#"{{"failed":{call},"why":{}}}"#, json::quoted(why))
 }
 
-/// Tells each request to a service, for ever.
+/// Forwards the requests to a service, forever.
 pub(crate) async fn requests(reader: Reader, heard: Heard, handle: u64, asked: Asked) {
     let Heard { of, name: service, outbox } = heard;
     let mut complaints = Complaints { about: &service, outbox: &outbox, count: 0 };
@@ -204,13 +204,13 @@ pub(crate) async fn requests(reader: Reader, heard: Heard, handle: u64, asked: A
     }
 }
 
-/// How the answer to a request is to be marked: as the client says, or by the request itself.
+/// The identity for the response to a request: from the client, or from the request itself.
 fn answer_to(heard: &DeserializedCacheChange<Payload>) -> SampleIdentity {
     let own =
         SampleIdentity { writer_guid: heard.writer_guid(), sequence_number: heard.sequence_number };
     match heard.related_sample_identity() {
         None => own,
-        // Fast DDS names the reader of the answer, and leaves the number to the request.
+        // Fast DDS sets the reader of the response, and takes the number from the request.
         Some(said) if said.writer_guid == GUID::GUID_UNKNOWN => own,
         Some(said)
             if i64::from(said.sequence_number) <= 0
@@ -230,7 +230,7 @@ mod tests {
     use super::{Payload, Request, Requests, UNANSWERED_MAX};
     use crate::types::library::Library;
 
-    /// Takes a request of `std_srvs/srv/SetBool`; its bytes are whole if there is one. Returns the text of the frame.
+    /// Adds a request of `std_srvs/srv/SetBool`, which is valid if it has a byte. Returns the text of the frame.
     fn request(requests: &mut Requests, bytes: &'static [u8]) -> Result<String, String> {
         let of = Library::new(Vec::new(), &[]).find("std_srvs/srv/SetBool_Request")?;
         let to = SampleIdentity {
@@ -252,7 +252,7 @@ mod tests {
         requests.next = UNANSWERED_MAX as u64;
         request(&mut requests, &[0]).unwrap();
         assert!(requests.take(1).is_none() && requests.take(2).is_some());
-        // An answer has made room.
+        // A response has freed capacity.
         request(&mut requests, &[0]).unwrap();
         assert!(requests.take(3).is_some());
     }

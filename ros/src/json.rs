@@ -1,12 +1,12 @@
-//! JSON as Python writes and reads it: `NaN`, `Infinity` and lone surrogates included, and `{"$": [code, start, bytes]}` for
-//! an array whose values lie behind the text of its frame.
+//! JSON as Python reads and writes it: including `NaN`, `Infinity` and lone surrogates, and `{"$": [code, start, bytes]}`
+//! for an array whose values follow the text of its frame.
 //!
-//! Any bytes give a value or an error; nothing panics, and nothing is reserved because a number says so.
+//! Any input gives a value or an error. Nothing panics, and no memory is reserved because of a number in the input.
 
 use std::fmt::Write as _;
 
-/// Lists and objects inside of each other. A message of [`DEPTH_MAX`](crate::types::library::DEPTH_MAX) types in lists needs
-/// two for each.
+/// Maximum nesting of lists and objects. A message of [`DEPTH_MAX`](crate::types::library::DEPTH_MAX) types in lists needs
+/// two levels for each.
 const DEPTH_MAX: usize = 160;
 
 /// A value.
@@ -19,7 +19,7 @@ pub(crate) enum Json {
     Text(String),
     List(Vec<Json>),
     Map(Vec<(String, Json)>),
-    /// Numbers that lie behind the text: their code as in Python's `array`, and where.
+    /// Numbers that follow the text: their code as in Python's `array`, and their position.
     Array {
         code: char,
         start: usize,
@@ -28,7 +28,7 @@ pub(crate) enum Json {
 }
 
 impl Json {
-    /// The value under `key`, if this is an object that has it.
+    /// The value of `key`, if this is an object with this key.
     pub(crate) fn get(&self, key: &str) -> Option<&Self> {
         match self {
             Self::Map(entries) => {
@@ -38,7 +38,7 @@ impl Json {
         }
     }
 
-    /// The text under `key`.
+    /// The text of `key`.
     pub(crate) fn text(&self, key: &str) -> Result<&str, String> {
         match self.get(key) {
             Some(Self::Text(text)) => Ok(text),
@@ -46,7 +46,7 @@ impl Json {
         }
     }
 
-    /// The whole number under `key`.
+    /// The whole number of `key`.
     pub(crate) fn number(&self, key: &str) -> Result<u64, String> {
         match self.get(key) {
             Some(Self::Int(value)) => {
@@ -56,7 +56,7 @@ impl Json {
         }
     }
 
-    /// The texts in the list under `key`, none if it is not there.
+    /// The texts in the list of `key`; empty if the key is missing.
     pub(crate) fn texts(&self, key: &str) -> Vec<String> {
         let Some(Self::List(values)) = self.get(key) else { return Vec::new() };
         let text = |value: &Self| match value {
@@ -67,7 +67,7 @@ impl Json {
     }
 }
 
-/// Reads a text that is one value.
+/// Parses a text with one value.
 pub(crate) fn parse(bytes: &[u8]) -> Result<Json, String> {
     let mut parser = Parser { bytes, at: 0 };
     let value = parser.value(0)?;
@@ -91,7 +91,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Steps over `byte`, if it is next.
+    /// Skips `byte`, if it is next.
     fn take(&mut self, byte: u8) -> bool {
         self.space();
         let found = self.bytes.get(self.at) == Some(&byte);
@@ -223,7 +223,7 @@ impl Parser<'_> {
         })
     }
 
-    /// A character as one or two units of UTF-16. Half of a pair becomes U+FFFD.
+    /// A character of one or two UTF-16 units. An unpaired surrogate becomes U+FFFD.
     fn unit_pair(&mut self) -> Result<char, String> {
         let first = self.unit()?;
         if (0xD800..0xDC00).contains(&first) && self.bytes.get(self.at..self.at + 2) == Some(b"\\u")
@@ -282,7 +282,7 @@ pub(crate) fn quoted(text: &str) -> String {
     quoted
 }
 
-/// Writes a number such that it reads as the same one, and as no whole number.
+/// Writes a number so that it is read back exactly, and not as a whole number.
 pub(crate) fn write_float(value: f64, to: &mut String) {
     if value.is_nan() {
         to.push_str("NaN");

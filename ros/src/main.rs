@@ -1,7 +1,7 @@
-//! `rafcon-ros` speaks ROS 2 for the scripts of a run whose Python has no rclpy.
+//! `rafcon-ros` provides ROS 2 to the scripts of a run whose Python has no rclpy.
 //!
-//! It is started by `rafcon.ros`, reads frames from its standard input, writes frames to its standard output, and ends
-//! when the input ends. `docs/ros.md` describes the frames.
+//! It is started by `rafcon.ros`, reads frames from its standard input, writes frames to its standard output, and ends when
+//! the input ends. `docs/ros.md` describes the frames.
 
 mod cdr;
 mod dds;
@@ -23,7 +23,7 @@ use crate::frames::Outbox;
 use crate::session::Session;
 use crate::types::hash;
 
-/// The last frames are read within this time, or never.
+/// Timeout for writing the last frames.
 const LAST_FRAMES: Duration = Duration::from_millis(500);
 
 const USAGE: &str = "rafcon-ros speaks ROS 2 for the scripts of RAFCON; they start it themselves.
@@ -83,7 +83,8 @@ fn serve() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    // Half of a middleware is none: the run makes a new node when it needs one.
+    // A panic of one thread ends the program: a partial middleware is useless, and the run starts a new node when it needs
+    // one.
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |about| {
         hook(about);
@@ -102,7 +103,7 @@ fn serve() -> ExitCode {
     std::process::exit(i32::from(ended.is_err()));
 }
 
-/// Does what frames ask for until they end, or one is refused.
+/// Handles frames until they end, or one is refused.
 fn attend(input: &mut impl Read, session: &mut Session) -> Result<(), String> {
     while let Some((asked, bytes)) = frames::read(input)? {
         session.handle(&asked, &bytes);

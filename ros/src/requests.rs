@@ -1,4 +1,4 @@
-//! Messages as bytes, and requests to services: sent at once, or when the program that asks ends.
+//! Encoding of messages, and requests to services: sent at once, or when the parent program ends.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,18 +13,18 @@ use crate::json::Json;
 use crate::types::MESSAGE_MAX;
 use crate::types::library::Type;
 
-/// Requests that are kept for the end; the oldest of more is forgotten.
+/// Maximum number of requests for the end; beyond it, the oldest is dropped.
 const AT_END_MAX: usize = 10_000;
 
-/// A request that is sent when the program that asks ends.
+/// A request to send when the parent program ends.
 pub(crate) struct AtEnd {
     pub(crate) writer: Arc<Writer>,
-    /// The reader that receives the response.
+    /// The reader of the response.
     pub(crate) reader: GUID,
     pub(crate) request: Bytes,
 }
 
-/// Requests that are kept for the end, by number.
+/// Requests for the end by number.
 pub(crate) struct AtEndRequests<R = AtEnd>(BTreeMap<u64, R>);
 
 impl<R> Default for AtEndRequests<R> {
@@ -34,7 +34,7 @@ impl<R> Default for AtEndRequests<R> {
 }
 
 impl<R> AtEndRequests<R> {
-    /// Keeps a request until the end. Returns whether the oldest one is forgotten for it.
+    /// Stores a request for the end. Returns true if the oldest one was dropped for it.
     pub(crate) fn keep(&mut self, number: u64, request: R) -> bool {
         self.0.insert(number, request);
         let is_full = self.0.len() > AT_END_MAX;
@@ -44,23 +44,23 @@ impl<R> AtEndRequests<R> {
         is_full
     }
 
-    /// Forgets the request with a number.
+    /// Removes the request with a number.
     pub(crate) fn forget(&mut self, number: u64) {
         self.0.remove(&number);
     }
 }
 
 impl AtEndRequests {
-    /// Sends all requests, and forgets them.
+    /// Sends all requests, and removes them.
     pub(crate) fn send(&mut self) {
         for AtEnd { writer, reader, request } in std::mem::take(&mut self.0).into_values() {
-            // Without a server there is nothing to ask for.
+            // A missing server is ignored.
             let _ = send(&writer, reader, request);
         }
     }
 }
 
-/// Sends a request; returns the number that its response names. `reader` receives the response.
+/// Sends a request; returns its number, which the response repeats. `reader` receives the response.
 pub(crate) fn send(writer: &Writer, reader: GUID, bytes: Bytes) -> Result<i64, String> {
     let to = SampleIdentity { writer_guid: reader, sequence_number: SequenceNumber::UNKNOWN };
     let options =
@@ -71,7 +71,7 @@ pub(crate) fn send(writer: &Writer, reader: GUID, bytes: Bytes) -> Result<i64, S
     Ok(i64::from(sent.sequence_number))
 }
 
-/// The message of a frame in CDR.
+/// The message of a frame, encoded in CDR.
 pub(crate) fn encoded(asked: &Json, bytes: &[u8], of: &Type) -> Result<Bytes, String> {
     let sent = cdr::write::write(asked.get("message").ok_or("there is no message")?, bytes, of)?;
     if sent.len() > MESSAGE_MAX {
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn a_message_that_is_too_long_is_refused_and_a_shorter_one_is_not() {
         let of = Library::new(Vec::new(), &[]).find("std_msgs/msg/String").unwrap();
-        // The length and the character at the end take five bytes.
+        // The length and the final NUL take five bytes.
         let length = |text: usize| {
             let fields = vec![("data".to_owned(), Json::Text("x".repeat(text)))];
             let asked = Json::Map(vec![("message".to_owned(), Json::Map(fields))]);

@@ -1,4 +1,4 @@
-//! What the program that started this one asks for, one frame after the other.
+//! Handling of the frames of the parent program, one after the other.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -23,10 +23,10 @@ use crate::types::library::{Library, Type};
 use crate::types::{Sort, TypeName, described};
 use crate::{describe, settings};
 
-/// How long a response waits until its client is known.
+/// Time that a response waits until its client is discovered.
 const CLIENT_KNOWN: Duration = Duration::from_secs(1);
 
-/// Something that was made, by its handle.
+/// A created object.
 enum Made {
     Publisher { publisher: Publisher, of: Arc<Type>, topic: String },
     Subscription { id: GUID, task: JoinHandle<()> },
@@ -34,10 +34,10 @@ enum Made {
     Service { writer: Arc<Writer>, reader: GUID, of: Arc<Type>, asked: Asked, task: JoinHandle<()> },
 }
 
-/// How long the last requests and responses may take to arrive.
+/// Timeout for the acknowledgment of the last requests and responses.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// The name of a service; the types, and the readers or writers, of its requests and of its responses.
+/// The name of a service, and types and parts of its requests and responses.
 type Halves = (String, [Arc<Type>; 2], [Part; 2]);
 
 /// The state of this program.
@@ -52,7 +52,7 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// One that has no node yet.
+    /// A session without a node.
     pub(crate) fn new(outbox: Outbox) -> Self {
         let library = settings::library(Vec::new());
         Self {
@@ -66,7 +66,7 @@ impl Session {
         }
     }
 
-    /// Does what a frame asks for.
+    /// Handles a frame.
     pub(crate) fn handle(&mut self, asked: &Json, bytes: &[u8]) {
         let done =
             asked.text("do").map(ToOwned::to_owned).and_then(|what| self.act(&what, asked, bytes));
@@ -154,7 +154,7 @@ impl Session {
         Heard { of, name, outbox: self.outbox.clone() }
     }
 
-    /// Counts the peers of what was made.
+    /// Starts counting the peers of a new object.
     fn count(&mut self, handle: u64, counted: Counted, made: Made) {
         self.counts.lock().unwrap_or_else(PoisonError::into_inner).insert(handle, (counted, 0));
         self.made.insert(handle, made);
@@ -183,7 +183,7 @@ impl Session {
         Ok(())
     }
 
-    /// The name, the type and the part of a topic that is asked for.
+    /// The name, the type and the part of a requested topic.
     fn topic(&mut self, asked: &Json, reader: bool) -> Result<(String, Arc<Type>, Part), String> {
         let (topic, type_name) = (asked.text("topic")?, asked.text("type")?);
         names::check(topic)?;
@@ -196,7 +196,7 @@ impl Session {
         Ok((topic.to_owned(), of, part))
     }
 
-    /// The types and parts of a service that is asked for: of its requests, and of its responses.
+    /// The types and parts of a requested service, for its requests and its responses.
     fn halves(&mut self, asked: &Json, client: bool) -> Result<Halves, String> {
         let (service, type_name) = (asked.text("service")?, asked.text("type")?);
         names::check(service)?;
@@ -274,7 +274,7 @@ impl Session {
         };
         let sent = encoded(asked, bytes, of).and_then(|bytes| {
             let servers = self.node()?.graph().peers(writer.guid());
-            // The answer can be there before `write` returns.
+            // The response can arrive before `write` returns.
             let mut calls = calls.lock().unwrap_or_else(PoisonError::into_inner);
             let number = requests::send(writer, *reader, bytes)?;
             calls.insert(number, Call { number: call, servers });
@@ -286,7 +286,7 @@ impl Session {
         Ok(())
     }
 
-    /// Keeps a request until the program that asks ends, or takes it back.
+    /// Keeps a request until the parent program ends, or cancels it.
     fn keep_for_end(&mut self, asked: &Json, bytes: &[u8]) -> Result<(), String> {
         let client = asked.number("handle")?;
         if let Some(Made::Client { writer, reader, of, .. }) = self.made.get(&client) {
@@ -303,7 +303,7 @@ impl Session {
         Ok(())
     }
 
-    /// A response to a call is not wanted any more.
+    /// Drops a call whose response is no longer needed.
     fn forget(&mut self, asked: &Json) -> Result<(), String> {
         let call = asked.number("call")?;
         if let Some(Made::Client { calls, .. }) = self.made.get(&asked.number("handle")?) {
@@ -331,7 +331,7 @@ impl Session {
         let send = move |writer: &Writer| {
             let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
             let options = options.related_sample_identity(request.to).build();
-            // A client that is gone needs no response.
+            // A missing client needs no response.
             let _ = writer.write_with_options(payload, options);
         };
         if node.graph().peers(writer.guid()).contains(&client) {
@@ -372,7 +372,7 @@ impl Session {
         self.ending.retain(|ending| !ending.is_finished());
     }
 
-    /// Gives everything back; returns when that is done.
+    /// Closes everything; returns when that is done.
     pub(crate) fn end(mut self, runtime: &tokio::runtime::Handle) {
         self.at_end.send();
         let handles: Vec<u64> = self.made.keys().copied().collect();
@@ -387,7 +387,7 @@ async fn known(node: &Node, writer: GUID, client: Process) {
     while !node.graph().peers(writer).contains(&client) && versions.changed().await.is_ok() {}
 }
 
-/// Lets the last messages of a writer arrive before it goes.
+/// Waits for the acknowledgment of a writer's last messages before it is closed.
 fn farewell(node: Node, writer: Arc<Writer>) -> JoinHandle<()> {
     tokio::spawn(async move {
         arrived(&writer, FAREWELL).await;

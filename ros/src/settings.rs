@@ -1,4 +1,4 @@
-//! What the environment says: `ROS_DOMAIN_ID` and what else all programs of ROS heed.
+//! Settings from the environment: `ROS_DOMAIN_ID` and the other common variables of ROS.
 
 use std::path::PathBuf;
 
@@ -6,10 +6,10 @@ use crate::dds::participant::Settings;
 use crate::json::Json;
 use crate::types::library::Library;
 
-/// The highest domain that ports of UDP allow.
+/// The highest domain whose UDP ports are valid.
 const DOMAIN_MAX: i128 = 232;
 
-/// How the node is to be.
+/// The settings of the requested node.
 pub(crate) fn of(asked: &Json) -> Result<Settings, String> {
     let domain = match asked.get("domain") {
         Some(Json::Int(domain)) => *domain,
@@ -37,7 +37,7 @@ pub(crate) fn of(asked: &Json) -> Result<Settings, String> {
     })
 }
 
-/// A library that looks into `folders`, those of `RAFCON_ROS_TYPES`, and the installations of ROS.
+/// A library that searches `folders`, those of `RAFCON_ROS_TYPES`, and the installations of ROS.
 pub(crate) fn library(mut folders: Vec<PathBuf>) -> Library {
     folders.extend(paths("RAFCON_ROS_TYPES"));
     Library::new(folders, &paths("AMENT_PREFIX_PATH"))

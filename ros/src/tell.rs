@@ -1,4 +1,4 @@
-//! What of the network's graph is told to the program that asks: all of it on demand, and what changes.
+//! Reports of the network's graph to the parent program: complete on request, and changes as they happen.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,22 +13,22 @@ use crate::dds::qos::Qos;
 use crate::frames::Outbox;
 use crate::json;
 
-/// How long changes are collected before they are told.
+/// Time for which changes are collected before a report.
 const COLLECT: Duration = Duration::from_millis(10);
 
-/// By what the peers of something are counted.
+/// The kind of a count of peers.
 #[derive(Clone, Copy)]
 pub(crate) enum Counted {
     /// All that match a reader or writer.
     One(GUID),
-    /// Processes that match both.
+    /// Processes that match both of them.
     Both(GUID, GUID),
 }
 
-/// What is counted, and the count that was told last.
+/// Requested counts, with the last reported value.
 pub(crate) type Counts = Arc<Mutex<BTreeMap<u64, (Counted, usize)>>>;
 
-/// Tells the count of each handle when it changes, and that something did, for ever.
+/// Reports each changed count, and the fact of a change, forever.
 pub(crate) async fn changes(node: Node, counts: Counts, outbox: Outbox) {
     let mut versions = node.graph().watch();
     loop {
@@ -42,7 +42,7 @@ pub(crate) async fn changes(node: Node, counts: Counts, outbox: Outbox) {
     }
 }
 
-/// Tells the counts that have changed.
+/// Reports the counts that have changed.
 pub(crate) fn tell_counts(node: &Node, counts: &Counts, outbox: &Outbox) {
     let mut counts = counts.lock().unwrap_or_else(PoisonError::into_inner);
     for (handle, (counted, told)) in counts.iter_mut() {
@@ -69,7 +69,8 @@ fn count(node: &Node, counted: Counted) -> usize {
     }
 }
 
-/// All that is known: `{"ends": [[topic, reader, node, type, reliable, latched]], "services": {name: [type]}, "nodes": [name]}`.
+/// The complete graph: `{"ends": [[topic, reader, node, type, reliable, latched]], "services": {name: [type]}, "nodes":
+/// [name]}`.
 pub(crate) fn graph(node: &Node) -> String {
     let mut ends = Vec::new();
     let mut services: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -127,7 +128,7 @@ pub(crate) fn graph(node: &Node) -> String {
     format!(r#"{{"ends":[{ends}],"services":{{{services}}},"nodes":[{nodes}]}}"#)
 }
 
-/// Who uses messages elsewhere, and as which: `[[type, hash, node]]`. Those of services are requests and responses.
+/// Remote users of messages: `[[type, hash, node]]`. Messages of services are requests and responses.
 pub(crate) fn users(node: &Node, types: &[String]) -> String {
     let mut found = Vec::new();
     let mut user = |id: GUID, type_name: &str, user_data: &[u8]| {
@@ -156,7 +157,7 @@ pub(crate) fn users(node: &Node, types: &[String]) -> String {
     format!("[{}]", found.join(","))
 }
 
-/// The hash of a type in what a program of ROS says about a reader or writer: `typehash=RIHS01_…;`, behind its length.
+/// The type hash in the user data of a remote reader or writer: `typehash=RIHS01_…;`, after its length.
 fn type_hash(user_data: &[u8]) -> Option<String> {
     let text = std::str::from_utf8(user_data.get(4..)?).ok()?;
     let found = text.split(';').find_map(|entry| entry.strip_prefix("typehash="));

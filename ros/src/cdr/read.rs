@@ -1,6 +1,6 @@
-//! From the wire: a message becomes the text of a JSON object, its arrays of numbers bytes behind it.
+//! Decoding: a message becomes the text of a JSON object, followed by its arrays of numbers as bytes.
 //!
-//! Any bytes give a message or an error; a claimed length is believed only as far as there are bytes for it.
+//! Any input gives a message or an error. A claimed length is accepted only up to the number of remaining bytes.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use crate::types::{Primitive, Shape};
 
 use super::{WIDE_UNIT, aligned};
 
-/// Text and arrays of a message, both appended to what is there.
+/// Output for the text and the arrays of a message, which are appended.
 #[derive(Default)]
 pub(crate) struct Decoded {
     pub(crate) text: String,
@@ -62,7 +62,7 @@ impl<'a> Reader<'a, '_> {
             self.field(field).map_err(|why| format!("{}: {why}", field.name))?;
         }
         self.to.text.push('}');
-        // A structure of IDL cannot be empty. The byte for that may be missing at the end of a message.
+        // IDL has no empty structures. The dummy byte for one may be missing at the end of a message.
         if of.fields.is_empty() && self.at < self.bytes.len() {
             self.at += 1;
         }
@@ -103,7 +103,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// Numbers go behind the text, in the order of bytes of this computer.
+    /// Numbers are appended after the text, in the byte order of this computer.
     fn numbers(&mut self, width: usize, code: char, count: usize) -> Result<(), String> {
         if count > 0 {
             self.at = aligned(self.at, width);
@@ -150,7 +150,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// Bytes of UTF-8 with a NUL behind them; what is no UTF-8 becomes U+FFFD.
+    /// UTF-8 with a final NUL; invalid bytes become U+FFFD.
     fn text(&mut self, most: u32) -> Result<(), String> {
         let length = self.length()?;
         let taken = self.take(length)?;
@@ -161,7 +161,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// Units of UTF-16 in four bytes each, as Fast DDS writes them; half of a pair becomes U+FFFD.
+    /// UTF-16 units of four bytes each, as Fast DDS writes them; unpaired surrogates become U+FFFD.
     fn wide_text(&mut self, most: u32) -> Result<(), String> {
         let length = self.length()?;
         let taken = self.take(length.saturating_mul(WIDE_UNIT))?;
@@ -173,7 +173,7 @@ impl<'a> Reader<'a, '_> {
         Ok(())
     }
 
-    /// A unit of UTF-16; a number that is none becomes U+FFFD.
+    /// A UTF-16 unit; an invalid number becomes U+FFFD.
     fn wide_unit(&self, bytes: &[u8]) -> u16 {
         let add = |value: u32, byte: &u8| (value << 8) | u32::from(*byte);
         let unit =

@@ -1,4 +1,5 @@
-//! Messages as `rclpy` of Jazzy and Kilted sends them, which both do alike: printed by `crates/python/tests/ros/record.py`.
+//! Messages recorded from `rclpy` of Jazzy and Kilted, which send identical bytes; printed by
+//! `crates/python/tests/ros/record.py`.
 
 use std::path::PathBuf;
 
@@ -9,7 +10,7 @@ use crate::types::library::Library;
 
 const RECORDED: &str = include_str!("recorded.txt");
 
-/// The types that no package has.
+/// Test types without a package.
 const ODD: [(&str, &str); 4] = [
     ("Empty", include_str!("../../../crates/python/tests/ros/types/odd_msgs/msg/Empty.msg")),
     ("Inner", include_str!("../../../crates/python/tests/ros/types/odd_msgs/msg/Inner.msg")),

@@ -1,6 +1,6 @@
-//! To the wire: a message given as JSON, with arrays of numbers behind its text, becomes CDR in the order of bytes of this computer.
+//! Encoding: a message in JSON, followed by arrays of numbers, becomes CDR in the byte order of this computer.
 //!
-//! What is left out has the type's default. What does not fit is refused with its place.
+//! Missing values get the default of the type. Invalid values are refused with their location.
 
 use crate::json::Json;
 use crate::types::library::{Kind, Type, TypeField};
@@ -8,7 +8,7 @@ use crate::types::{Literal, Primitive, Shape, literal};
 
 use super::aligned;
 
-/// Writes a message of type `of`; `arrays` are the bytes behind the text that `value` is from.
+/// Encodes a message of type `of`; `arrays` are the bytes after the text of `value`.
 pub(crate) fn write(value: &Json, arrays: &[u8], of: &Type) -> Result<Vec<u8>, String> {
     let mut writer = Writer { bytes: Vec::new(), arrays };
     writer.message(value, of).map_err(|why| format!("{}{why}", of.name))?;
@@ -45,7 +45,7 @@ impl Writer<'_> {
             return Err(format!(" has no field `{name}`; it has {}", names.join(", ")));
         }
         for (index, field) in of.fields.iter().enumerate() {
-            // In most messages the values come in the order of the type.
+            // Most messages have their values in the order of the type.
             let here =
                 entries.get(index).filter(|(name, _)| *name == field.name).map(|(_, value)| value);
             let given = here.or_else(|| value.get(&field.name));
@@ -79,7 +79,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Checks how many values there are, and writes that where the type does not say it.
+    /// Checks the number of values, and writes it unless the type fixes it.
     fn count(&mut self, count: usize, shape: Shape) -> Result<(), String> {
         match shape {
             Shape::Fixed(size) if count != size as usize => {
@@ -227,7 +227,7 @@ impl Writer<'_> {
     }
 }
 
-/// A literal of a type as a value.
+/// Converts a literal of a type to a value.
 pub(crate) fn from_literal(value: &Literal) -> Json {
     match value {
         Literal::Bool(value) => Json::Bool(*value),
@@ -238,7 +238,7 @@ pub(crate) fn from_literal(value: &Literal) -> Json {
     }
 }
 
-/// The number that `bytes`, as many as `code` needs, are.
+/// The number in `bytes`, whose length fits `code`.
 fn number(code: char, bytes: &[u8]) -> Json {
     let mut wide = [0; 8];
     let start = if cfg!(target_endian = "little") { 0 } else { 8 - bytes.len() };

@@ -1,4 +1,4 @@
-//! What publishes: a queue before a writer, so that a subscriber that is stuck holds up nobody else.
+//! Publishers: each has a queue before its writer, so that a stuck subscriber does not block others.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,11 +13,11 @@ use tokio::sync::Notify;
 use super::participant::{Node, Writer};
 use super::payload::Payload;
 
-/// How long the last messages of a publisher that is given back may take to arrive.
+/// Timeout for the acknowledgment of a closed publisher's last messages.
 const FAREWELL: Duration = Duration::from_millis(800);
-/// Messages that wait although a smaller depth is asked for.
+/// Capacity of the queue in messages, also if a smaller depth is requested.
 const WAITING: usize = 1000;
-/// Bytes that wait, beyond the newest message.
+/// Capacity of the queue in bytes, without the newest message.
 const WAITING_BYTES: usize = 64 << 20;
 
 /// Publishes on a topic.
@@ -37,13 +37,13 @@ struct Queue {
 struct Waiting {
     messages: VecDeque<Bytes>,
     bytes: usize,
-    /// A message has been taken out, and is not written yet.
+    /// True while a message that was taken out is not yet written.
     writing: bool,
     ended: bool,
 }
 
 impl Waiting {
-    /// Adds a message. Returns how many older ones are dropped for it.
+    /// Adds a message. Returns the number of older messages dropped for it.
     fn push(&mut self, message: Bytes) -> usize {
         let mut dropped = 0;
         while self.messages.len() >= WAITING || self.bytes > WAITING_BYTES {
@@ -78,10 +78,10 @@ impl Publisher {
         Self { id, writer, queue, task }
     }
 
-    /// Sends a message. Returns how many older ones are dropped for it because subscribers do not keep up.
+    /// Sends a message. Returns the number of older messages dropped because subscribers are too slow.
     pub(crate) fn send(&self, message: Bytes) -> usize {
         let mut waiting = self.queue.waiting();
-        // What is sent at once stays in order with what others of this process send.
+        // Write directly if nothing is queued, to keep the order with other messages of this process.
         if waiting.messages.is_empty() && !waiting.writing {
             let written = write(&self.writer, message.clone()).now_or_never();
             if !matches!(written, None | Some(Err(WriteError::WouldBlock { .. }))) {
@@ -94,7 +94,7 @@ impl Publisher {
         dropped
     }
 
-    /// Gives it back after its last messages have arrived, or after a while.
+    /// Closes the publisher after its last messages are acknowledged, or after a timeout.
     pub(crate) fn end(self) -> tokio::task::JoinHandle<()> {
         self.queue.waiting().ended = true;
         self.queue.more.notify_one();
@@ -121,7 +121,7 @@ async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
             queue.more.notified().await;
             continue;
         };
-        // A subscriber that has not confirmed thousands of messages is waited for.
+        // Wait for a subscriber with thousands of unacknowledged messages.
         while let Err(WriteError::WouldBlock { .. }) = write(&writer, bytes.clone()).await
             && !queue.waiting().ended
         {}
@@ -130,7 +130,7 @@ async fn publish(node: Node, writer: Arc<Writer>, queue: Arc<Queue>) {
     node.forget(writer.guid());
 }
 
-/// Waits until what a writer has sent is confirmed, at most so long.
+/// Waits until all sent messages are acknowledged, or until the timeout.
 pub(crate) async fn arrived(writer: &Writer, longest: Duration) {
     let _ = tokio::time::timeout(longest, writer.async_wait_for_acknowledgments()).await;
 }
@@ -141,7 +141,7 @@ mod tests {
 
     use super::{WAITING, WAITING_BYTES, Waiting};
 
-    /// Pushes messages of these lengths, and returns how many were dropped for the last one.
+    /// Pushes messages of these lengths, and returns the number dropped for the last one.
     fn pushed(queue: &mut Waiting, lengths: impl IntoIterator<Item = usize>) -> usize {
         let content = Bytes::from(vec![7; WAITING_BYTES + 1]);
         lengths.into_iter().fold(0, |_, length| queue.push(content.slice(..length)))

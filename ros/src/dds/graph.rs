@@ -1,4 +1,4 @@
-//! Who is there: which readers and writers match those of this process, which nodes they belong to, and who is dead.
+//! The graph: matches between the readers and writers of this process and of others, their nodes, and dead processes.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::net::SocketAddr;
@@ -17,10 +17,10 @@ use crate::types::library::Type;
 
 use super::payload::{Payload, Plain};
 
-/// Processes whose nodes are kept although the middleware does not report them: their news can come first.
+/// Maximum number of processes with nodes but without a report of the middleware, which may come later.
 const UNREPORTED_MAX: usize = 64;
 
-/// What readers and writers of one process have in common: the first 12 bytes of their ids.
+/// Common prefix of the ids of a process's readers and writers: the first 12 bytes.
 pub(crate) type Process = [u8; 12];
 
 /// The process of a reader or writer.
@@ -33,7 +33,7 @@ pub(crate) fn process(of: GUID) -> Process {
 /// A node: its name, and the ids of its readers and writers.
 type NamedNode = (String, BTreeSet<[u8; 16]>);
 
-/// What is known, shared by all that needs it.
+/// The known graph, shared by its users.
 #[derive(Clone)]
 pub(crate) struct Graph {
     known: Arc<Mutex<Known>>,
@@ -42,12 +42,12 @@ pub(crate) struct Graph {
 
 #[derive(Default)]
 struct Known {
-    /// The matched peers of each reader and writer of this process that is in use.
+    /// Matched peers of each open reader and writer of this process.
     matched: BTreeMap<GUID, BTreeSet<GUID>>,
-    /// Of each process, its nodes.
+    /// Nodes by process.
     nodes: BTreeMap<Process, Vec<NamedNode>>,
     dead: BTreeSet<Process>,
-    /// Those that are there, in the order in which they were found.
+    /// Known processes in the order of their discovery.
     arrived: Vec<Process>,
 }
 
@@ -58,7 +58,7 @@ impl Known {
         }
     }
 
-    /// A late report of something that was given back is ignored.
+    /// Adds a match. Ignores late reports about closed readers and writers.
     fn note_match(&mut self, own: GUID, peer: GUID) {
         self.note_arrival(process(peer));
         if let Some(peers) = self.matched.get_mut(&own) {
@@ -66,7 +66,7 @@ impl Known {
         }
     }
 
-    /// Takes the nodes of a process. Of too many processes that are not reported, the first in order is forgotten.
+    /// Sets the nodes of a process. If too many processes are unreported, the one with the lowest id is dropped.
     fn note_nodes(&mut self, of: Process, nodes: Vec<NamedNode>) {
         self.nodes.insert(of, nodes);
         if self.arrived.contains(&of) {
@@ -96,7 +96,7 @@ impl Graph {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes a reader or writer of this process. All reports of its matches come after this.
+    /// Creates a reader or writer of this process. All reports of its matches follow later.
     pub(crate) fn make<T: RTPSEntity, E>(
         &self,
         make: impl FnOnce() -> Result<T, E>,
@@ -107,42 +107,42 @@ impl Graph {
         Ok(made)
     }
 
-    /// Forgets a reader or writer of this process that was given back.
+    /// Removes a closed reader or writer of this process.
     pub(crate) fn forget(&self, own: GUID) {
         self.known().matched.remove(&own);
     }
 
-    /// Says that something may have changed.
+    /// Announces a possible change.
     pub(crate) fn touch(&self) {
         self.version.send_modify(|version| *version += 1);
     }
 
-    /// Hears when something may have changed.
+    /// A receiver of possible changes.
     pub(crate) fn watch(&self) -> watch::Receiver<u64> {
         self.version.subscribe()
     }
 
-    /// The processes alive that a reader or writer of this process is matched with, one for each match.
+    /// Live processes matched with a reader or writer of this process, one entry per match.
     pub(crate) fn peers(&self, of: GUID) -> Vec<Process> {
         let known = self.known();
         let matched = known.matched.get(&of).into_iter().flatten().map(|peer| process(*peer));
         matched.filter(|process| !known.dead.contains(process)).collect()
     }
 
-    /// Whether a process was found to be dead, although its lease has not ended.
+    /// True if a process was found dead before the end of its lease.
     pub(crate) fn is_dead(&self, one: Process) -> bool {
         self.known().dead.contains(&one)
     }
 
-    /// Processes that matter here: something of theirs is matched.
+    /// Processes with at least one match.
     pub(crate) fn processes(&self) -> BTreeSet<Process> {
         self.known().matched.values().flatten().map(|peer| process(*peer)).collect()
     }
 
-    /// Says whether a process is dead.
+    /// Marks a process as dead or alive.
     pub(crate) fn set_dead(&self, one: Process, dead: bool) {
         let mut known = self.known();
-        // One that is lost meanwhile is known no more.
+        // A process lost in the meantime is unknown.
         let is_dead = dead && known.arrived.contains(&one);
         let changed = if is_dead { known.dead.insert(one) } else { known.dead.remove(&one) };
         drop(known);
@@ -151,14 +151,14 @@ impl Graph {
         }
     }
 
-    /// Whether a process was found before another one.
+    /// True if a process was discovered before another one.
     pub(crate) fn came_before(&self, one: Process, other: Process) -> bool {
         let known = self.known();
         let place = |of| known.arrived.iter().position(|it| *it == of);
         place(one).is_some_and(|one| place(other).is_some_and(|other| one < other))
     }
 
-    /// The node of a reader or writer elsewhere, empty if it is not known yet.
+    /// The node of a remote reader or writer; empty if unknown.
     pub(crate) fn node_of(&self, of: GUID) -> String {
         let known = self.known();
         let nodes = known.nodes.get(&process(of)).into_iter().flatten();
@@ -166,7 +166,7 @@ impl Graph {
         found.map(|(name, _)| name.clone()).unwrap_or_default()
     }
 
-    /// The names of all nodes elsewhere.
+    /// Names of all remote nodes.
     pub(crate) fn nodes(&self) -> Vec<String> {
         let known = self.known();
         let alive = known.nodes.iter().filter(|(process, _)| !known.dead.contains(*process));
@@ -201,7 +201,7 @@ impl Graph {
         self.touch();
     }
 
-    /// Takes what the middleware says about others, for ever.
+    /// Follows the reports of the middleware about other processes, forever.
     pub(crate) async fn follow(self, participant: DomainParticipant) {
         let listener = participant.status_listener();
         let mut events = listener.as_async_status_stream();
@@ -210,7 +210,7 @@ impl Graph {
         }
     }
 
-    /// Takes what other processes say about their nodes, for ever.
+    /// Follows the announcements of nodes by other processes, forever.
     pub(crate) async fn follow_nodes(
         self,
         reader: SimpleDataReader<Payload, Plain>,
@@ -257,7 +257,7 @@ fn nodes(told: &Json, arrays: &[u8]) -> Vec<NamedNode> {
     nodes.iter().filter_map(node).collect()
 }
 
-/// Where the readers and writers of each process elsewhere listen.
+/// Addresses of the readers and writers of each remote process.
 pub(crate) fn addresses(
     participant: &DomainParticipant,
 ) -> BTreeMap<Process, BTreeSet<SocketAddr>> {
@@ -319,7 +319,7 @@ mod tests {
         graph.note(Event::ParticipantLost { id: one.prefix, reason });
     }
 
-    /// The number of entries: own readers and writers, processes with nodes, dead processes, processes that arrived.
+    /// Numbers of entries: own readers and writers, processes with nodes, dead processes, discovered processes.
     fn kept(graph: &Graph) -> [usize; 4] {
         let known = graph.known();
         [known.matched.len(), known.nodes.len(), known.dead.len(), known.arrived.len()]
@@ -348,7 +348,7 @@ mod tests {
         graph.set_dead(process(peer), true);
         assert_eq!((kept(&graph), graph.node_of(peer)), ([1, 1, 1, 1], "/peer".to_owned()));
         lost(&graph, peer);
-        // The watch had asked it before.
+        // The liveness check had probed it before.
         graph.set_dead(process(peer), true);
         assert_eq!((kept(&graph), graph.peers(own)), ([1, 0, 0, 0], Vec::new()));
     }
@@ -370,7 +370,7 @@ mod tests {
         let names = graph.nodes();
         assert_eq!(names[..2], ["/1", "/3"]);
         assert_eq!(names.last(), Some(&format!("/{}", most + 2)));
-        // A process that is reported later does not count any more.
+        // A process that is reported later no longer counts.
         matched(&graph, own, id(3, 1));
         nodes(most + 3);
         assert_eq!(kept(&graph)[1], UNREPORTED_MAX + 2);

@@ -1,8 +1,8 @@
-//! Finds out that a process was killed long before its lease ends: nothing listens at its addresses any more.
+//! Detects a killed process long before its lease ends: no socket is open at its addresses any more.
 //!
-//! A datagram to a port that nobody has open is refused by the kernel of its computer. A process whose every address
-//! refuses, twice in a row, is dead; one that is only slow refuses nothing. So is one whose addresses another process has since: one
-//! that is started again takes the same ports. A computer that is gone refuses nothing: that is what the lease is for.
+//! The kernel refuses a datagram to a closed port. A process is dead if all its addresses refuse twice in a row; a slow
+//! process refuses nothing. A process is also dead if another one uses its addresses, because a restarted process gets its
+//! old ports. A disconnected computer refuses nothing; its processes end with their leases.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
@@ -14,13 +14,13 @@ use tokio::net::UdpSocket;
 
 use super::graph::{self, Graph, Process};
 
-/// Between two questions.
+/// Interval of probes.
 const PERIOD: Duration = Duration::from_millis(400);
 
-/// A message of RTPS 2.3 that says nothing: its header, an unknown vendor, and padding.
+/// An RTPS 2.3 message without content: its header, an unknown vendor, and padding.
 const NOTHING: [u8; 24] = *b"RTPS\x02\x03\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x01\x01\0\0";
 
-/// Asks all processes that matter, for ever.
+/// Probes all matched processes, forever.
 pub(crate) async fn watch(graph: Graph, participant: DomainParticipant) {
     let mut asked: BTreeMap<Process, Questions> = BTreeMap::new();
     let mut period = tokio::time::interval(PERIOD);
@@ -54,7 +54,7 @@ pub(crate) async fn watch(graph: Graph, participant: DomainParticipant) {
 
 struct Questions {
     addresses: BTreeSet<SocketAddr>,
-    /// One for each address; `None` if it cannot be reached from here.
+    /// One socket per address; `None` if the address is unreachable from here.
     sockets: Vec<Option<UdpSocket>>,
     refused_before: bool,
 }
@@ -65,15 +65,15 @@ impl Questions {
         Self { addresses, sockets, refused_before: false }
     }
 
-    /// Asks again; true if every address has refused what was asked before.
+    /// Sends a probe; true if every address has refused an earlier one.
     fn ask(&self) -> bool {
         let mut refused = 0;
         for socket in self.sockets.iter().flatten() {
-            // What the kernel knows about an earlier datagram is the result of this one.
+            // An error of an earlier datagram is the result of that probe.
             let before = matches!(socket.take_error(), Ok(Some(why)) if why.kind() == ErrorKind::ConnectionRefused);
             let now = matches!(socket.try_send(&NOTHING), Err(why) if why.kind() == ErrorKind::ConnectionRefused);
             if now {
-                // The error was that of an earlier datagram, and this one was not sent.
+                // The error belonged to an earlier datagram, and this one was not sent.
                 let _ = socket.try_send(&NOTHING);
             }
             refused += usize::from(before || now);

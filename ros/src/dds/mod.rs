@@ -1,6 +1,6 @@
-//! The middleware: DDS by RustDDS, used with bytes only, so that a type need not be known when this program is compiled.
+//! The middleware: DDS by RustDDS. It transfers only bytes, so that types can be loaded at run time.
 //!
-//! Knows the names, qualities and services that ROS makes of DDS; knows nothing of what messages hold.
+//! Knows the names, qualities and services of ROS in DDS; knows nothing of the content of messages.
 
 pub(crate) mod endpoints;
 pub(crate) mod graph;

@@ -1,24 +1,24 @@
-//! How names of ROS are written in DDS.
+//! Mapping of ROS names to DDS.
 
 use crate::types::{Sort, TypeName};
 
-/// The topic of DDS that carries a topic.
+/// The DDS topic of a topic.
 pub(crate) fn topic(name: &str) -> String {
     format!("rt{name}")
 }
 
-/// The topics of DDS that carry the requests and the responses of a service.
+/// The DDS topics of the requests and the responses of a service.
 pub(crate) fn service(name: &str) -> (String, String) {
     (format!("rq{name}Request"), format!("rr{name}Reply"))
 }
 
-/// The type of DDS of a message: `std_msgs::msg::dds_::String_`.
+/// The DDS type of a message: `std_msgs::msg::dds_::String_`.
 pub(crate) fn message_type(full: &str) -> Result<String, String> {
     let name = TypeName::parse(full)?;
     Ok(format!("{}::{}::dds_::{}_", name.package, name.sort.word(), name.name))
 }
 
-/// The name in ROS of a type of DDS, if it is one of ROS.
+/// The ROS name of a DDS type, if it is one of ROS.
 pub(crate) fn plain_type(dds: &str) -> Option<String> {
     let parts: Vec<&str> = dds.split("::").collect();
     let [package, sort, "dds_", name] = parts[..] else { return None };
@@ -26,12 +26,12 @@ pub(crate) fn plain_type(dds: &str) -> Option<String> {
     Some(format!("{package}/{sort}/{}", name.strip_suffix('_')?))
 }
 
-/// The name of the topic of ROS that a topic of DDS carries.
+/// The ROS topic of a DDS topic.
 pub(crate) fn plain_topic(dds: &str) -> Option<&str> {
     dds.strip_prefix("rt").filter(|name| name.starts_with('/'))
 }
 
-/// The name and the type of the service whose requests a topic of DDS carries.
+/// The name and the type of the service whose requests use a DDS topic.
 pub(crate) fn plain_service(dds: &str, dds_type: &str) -> Option<(String, String)> {
     let name =
         dds.strip_prefix("rq")?.strip_suffix("Request").filter(|name| name.starts_with('/'))?;
@@ -39,7 +39,7 @@ pub(crate) fn plain_service(dds: &str, dds_type: &str) -> Option<(String, String
     Some((name.to_owned(), request.strip_suffix("_Request")?.to_owned()))
 }
 
-/// Whether `name` is an absolute name of a topic, service, action or node.
+/// Checks that `name` is an absolute name of a topic, service, action or node.
 pub(crate) fn check(name: &str) -> Result<(), String> {
     let part = |part: &str| {
         part.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')

@@ -1,4 +1,4 @@
-//! The node of this process: one participant of DDS, its readers and writers, and what it tells other nodes about them.
+//! The node of this process: one DDS participant, its readers and writers, and their announcement to other nodes.
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr};
@@ -21,17 +21,17 @@ use super::names;
 use super::payload::{Payload, Plain};
 use super::qos::Qos;
 
-/// Reads bytes.
+/// Reads messages as bytes.
 pub(crate) type Reader = SimpleDataReader<Payload, Plain>;
-/// Writes bytes.
+/// Writes messages as bytes.
 pub(crate) type Writer = DataWriter<Payload, Plain>;
 
-/// What the node is called, and which others it can see.
+/// Name and visibility of the node.
 pub(crate) struct Settings {
     pub(crate) name: String,
     pub(crate) namespace: String,
     pub(crate) domain: u16,
-    /// Only processes of this computer.
+    /// True to see only processes of this computer.
     pub(crate) local: bool,
 }
 
@@ -44,7 +44,6 @@ pub(crate) struct Part {
     pub(crate) qos: Qos,
 }
 
-/// The node.
 #[derive(Clone)]
 pub(crate) struct Node {
     inner: Arc<Inner>,
@@ -61,13 +60,13 @@ struct Inner {
     announcements: Writer,
 }
 
-/// The topic of DDS on which processes tell about their nodes.
+/// The DDS topic on which processes announce their nodes.
 const ANNOUNCEMENTS: &str = "ros_discovery_info";
-/// Its type in ROS.
+/// The ROS type of announcements.
 pub(crate) const ANNOUNCEMENT: &str = "rmw_dds_common/msg/ParticipantEntitiesInfo";
 
 impl Node {
-    /// Makes it; `about` is the type of [`ANNOUNCEMENT`].
+    /// Creates the node; `about` is the type of [`ANNOUNCEMENT`].
     pub(crate) fn new(settings: Settings, about: Arc<Type>) -> Result<(Self, Reader), String> {
         let no = |what: &str, why: &dyn std::fmt::Display| {
             format!("cannot {what} in domain {}: {why}", settings.domain)
@@ -126,12 +125,12 @@ impl Node {
         )
     }
 
-    /// The readers and writers that were made by it.
+    /// The readers and writers of the node.
     pub(crate) fn parts(&self) -> Vec<Part> {
         self.inner.parts.lock().unwrap_or_else(PoisonError::into_inner).values().cloned().collect()
     }
 
-    /// Makes a reader of a topic of DDS. `large`: see [`Qos::policies`].
+    /// Creates a reader of a DDS topic. `large`: see [`Qos::policies`].
     pub(crate) fn reader(&self, part: Part, large: bool) -> Result<Reader, String> {
         self.check(&part)?;
         let topic = topic(&self.inner.participant, &part.topic, &part.type_name)?;
@@ -144,7 +143,7 @@ impl Node {
         Ok(reader)
     }
 
-    /// Makes a writer of a topic of DDS.
+    /// Creates a writer of a DDS topic.
     pub(crate) fn writer(&self, part: Part, large: bool) -> Result<Writer, String> {
         self.check(&part)?;
         let topic = topic(&self.inner.participant, &part.topic, &part.type_name)?;
@@ -156,7 +155,7 @@ impl Node {
         Ok(writer)
     }
 
-    /// A topic carries one type in a process.
+    /// Checks that a topic has only one type in this process.
     fn check(&self, part: &Part) -> Result<(), String> {
         let other = self
             .parts()
@@ -175,14 +174,14 @@ impl Node {
         self.announce();
     }
 
-    /// Says that a reader or writer is gone.
+    /// Removes a reader or writer.
     pub(crate) fn forget(&self, id: GUID) {
         self.inner.parts.lock().unwrap_or_else(PoisonError::into_inner).remove(&id);
         self.inner.graph.forget(id);
         self.announce();
     }
 
-    /// Tells other processes which readers and writers this node has.
+    /// Announces the readers and writers of this node to other processes.
     fn announce(&self) {
         let parts = self.inner.parts.lock().unwrap_or_else(PoisonError::into_inner);
         let mut bytes = Vec::new();
@@ -212,13 +211,13 @@ impl Node {
             Json::Map(vec![("gid".to_owned(), own), ("node_entities_info_seq".to_owned(), nodes)]);
         if let Ok(told) = cdr::write::write(&told, &bytes, &self.inner.about) {
             let payload = Payload { bytes: Bytes::from(told), little: true };
-            // Should it fail, others know the node's topics but not its name.
+            // On failure, others know the node's topics but not its name.
             let _ = self.inner.announcements.write(payload, Some(Timestamp::now()));
         }
     }
 }
 
-/// Keeps the announcements of many processes that come at once.
+/// Keeps simultaneous announcements of many processes.
 fn every() -> rustdds::QosPolicies {
     QosPolicyBuilder::new().history(History::KeepAll).build()
 }

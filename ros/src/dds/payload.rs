@@ -1,4 +1,4 @@
-//! Messages as DDS carries them: bytes of CDR, passed on as they are.
+//! Messages in DDS: bytes of CDR, passed unchanged.
 
 use std::convert::Infallible;
 
@@ -10,11 +10,11 @@ use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SerializerAda
 #[derive(Clone, Debug)]
 pub(crate) struct Payload {
     pub(crate) bytes: Bytes,
-    /// Whether the least byte of a number comes first.
+    /// True for little-endian numbers.
     pub(crate) little: bool,
 }
 
-/// The order of bytes of this computer.
+/// The byte order of this computer.
 const OWN: RepresentationIdentifier = if cfg!(target_endian = "little") {
     RepresentationIdentifier::CDR_LE
 } else {

@@ -1,32 +1,32 @@
-//! Qualities of service: of ROS, and as RustDDS has them.
+//! Qualities of service in ROS, and their equivalents in RustDDS.
 
 use rustdds::policy::{
     Deadline, Durability, History, Lifespan, Liveliness, Reliability, ResourceLimits,
 };
 use rustdds::{Duration, QosPolicies, QosPolicyBuilder};
 
-/// How long a reliable writer waits for room.
+/// Maximum time that a reliable writer blocks.
 const BLOCKING: Duration = Duration::from_millis(100);
-/// Messages that are kept for readers although a smaller depth is asked for, so that a burst loses nothing.
+/// Number of messages kept for readers, also if a smaller depth is requested, so that a burst loses nothing.
 const BURST: i32 = 4096;
-/// The same of types with large arrays.
+/// Number of messages kept for types with large arrays.
 const BURST_LARGE: i32 = 32;
 
 /// The quality of service of a publisher or subscription.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) struct Qos {
     pub(crate) reliable: bool,
-    /// Whether late subscribers get what was published before.
+    /// True if late subscribers receive earlier messages.
     pub(crate) latched: bool,
-    /// Messages that are kept; 0: all.
+    /// Number of messages kept; 0 for all.
     pub(crate) depth: u32,
 }
 
 impl Qos {
-    /// That of services.
+    /// The quality of service of services.
     pub(crate) const SERVICE: Self = Self { reliable: true, latched: false, depth: 0 };
 
-    /// As RustDDS has it. `large` says that messages can be megabytes.
+    /// The policies for RustDDS. `large` is true for types whose messages can have megabytes.
     pub(crate) fn policies(self, large: bool) -> QosPolicies {
         let reliability = match self.reliable {
             true => Reliability::Reliable { max_blocking_time: BLOCKING },
@@ -50,13 +50,13 @@ impl Qos {
             .build()
     }
 
-    /// That of a reader or writer elsewhere.
+    /// The quality of service of a remote reader or writer.
     pub(crate) fn of(
         reliability: Option<Reliability>,
         durability: Option<Durability>,
         reader: bool,
     ) -> Self {
-        // Where nothing is said, DDS means: readers best effort, writers reliable.
+        // Default of DDS: readers are best effort, writers are reliable.
         let reliable = match reliability {
             Some(Reliability::Reliable { .. }) => true,
             Some(Reliability::BestEffort) => false,

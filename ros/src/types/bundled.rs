@@ -1,8 +1,8 @@
-//! The interfaces that lie in this program. `ros/NOTICE` says where they come from.
+//! The interfaces contained in this program. `ros/NOTICE` names their sources.
 
 macro_rules! packages {
     ($($name:literal),+ $(,)?) => {
-        /// Each package with its interfaces, one after the other, each below a line `== msg/Name`.
+        /// Each package with its interfaces in sequence, each below a line `== msg/Name`.
         const PACKAGES: &[(&str, &str)] = &[$(($name, include_str!(concat!("../../interfaces/", $name, ".txt")))),+];
     };
 }
@@ -37,7 +37,7 @@ packages![
     "visualization_msgs",
 ];
 
-/// The text of the interface file `package/sort/name`, if it is here.
+/// The text of the interface file `package/sort/name`, if this program contains it.
 pub(super) fn find(package: &str, sort: &str, name: &str) -> Option<&'static str> {
     let (_, text) = PACKAGES.iter().find(|(known, _)| *known == package)?;
     interfaces(text)
@@ -45,14 +45,14 @@ pub(super) fn find(package: &str, sort: &str, name: &str) -> Option<&'static str
         .map(|(_, body)| body)
 }
 
-/// The full names of all.
+/// The full names of all interfaces.
 pub(crate) fn names() -> impl Iterator<Item = String> {
     PACKAGES.iter().flat_map(|(package, text)| {
         interfaces(text).map(move |(name, _)| format!("{package}/{name}"))
     })
 }
 
-/// Each interface of a package: `msg/Name`, and its text.
+/// The interfaces of a package: `msg/Name` and text.
 fn interfaces(text: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
     text.split("== ").skip(1).map(|part| part.split_once('\n').unwrap_or((part, "")))
 }
@@ -65,10 +65,10 @@ mod tests {
     use super::find;
     use crate::types::Sort;
 
-    /// Users build that package; what is here must be the same.
+    /// Users build that package, so the bundled copy must be identical.
     #[test]
     fn the_types_of_the_bridge_are_those_of_their_package() {
-        // The manifest may be a copy that lies elsewhere.
+        // The manifest may be a copy in another folder.
         let package = Path::new(file!()).ancestors().nth(3).unwrap().join("rafcon_msgs");
         let sorts = [("msg", Sort::Message), ("srv", Sort::Service), ("action", Sort::Action)];
         let mut count = 0;

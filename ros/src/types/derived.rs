@@ -1,4 +1,4 @@
-//! What follows from a service or an action: the messages that the middleware carries for them, and those that only hashes know.
+//! Messages derived from a service or an action: those that the middleware transfers, and those that only hashes use.
 
 use super::{Base, Field, Message, Primitive, Shape};
 
@@ -18,7 +18,7 @@ fn goal_id() -> Field {
     field("goal_id", of("unique_identifier_msgs/msg/UUID"), Shape::One)
 }
 
-/// What follows from a service that has a request and a response.
+/// Messages derived from a service with a request and a response.
 pub(super) fn of_service(service: &str) -> Vec<Message> {
     let part = |ending: &str| of(&format!("{service}_{ending}"));
     let event = vec![
@@ -34,7 +34,7 @@ pub(super) fn of_service(service: &str) -> Vec<Message> {
     vec![message(format!("{service}_Event"), event), message(service.to_owned(), whole)]
 }
 
-/// What follows from an action that has a goal, a result and feedback.
+/// Messages derived from an action with a goal, a result and feedback.
 pub(super) fn of_action(action: &str) -> Vec<Message> {
     let name = |ending: &str| format!("{action}_{ending}");
     let part = |ending: &str| of(&name(ending));

@@ -1,17 +1,17 @@
-//! Types as their users elsewhere describe them: `type_description_interfaces/msg/TypeDescription`.
+//! Types as remote users describe them: `type_description_interfaces/msg/TypeDescription`.
 //!
-//! Whoever reads them compares the hash afterwards: nothing here says that a description is true.
+//! Callers must compare the hash: this module does not verify a description.
 
 use crate::json::Json;
 
 use super::{Base, Field, Message, Shape, hash, literal};
 
-/// Types in a description, so that a peer cannot make one without end.
+/// Maximum number of types in a description, against malicious peers.
 const TYPES_MAX: usize = 1000;
-/// Fields of all of them.
+/// Maximum number of fields in all of them.
 const FIELDS_MAX: usize = 10_000;
 
-/// The type that is described, then those that it is made of.
+/// The described type, then its nested types.
 pub(crate) fn read(told: &Json) -> Result<Vec<Message>, String> {
     let top = told.get("type_description").ok_or("it describes nothing")?;
     let below = list(told, "referenced_type_descriptions")?;
@@ -37,7 +37,7 @@ fn message(told: &Json) -> Result<Message, String> {
     let mut fields = Vec::new();
     for told in list(told, "fields")? {
         let field = field(told).map_err(|why| format!("{name}: {why}"))?;
-        // A structure of IDL cannot be empty; one of ROS can.
+        // IDL has no empty structures; ROS has.
         if field.name != hash::NO_MEMBER {
             fields.push(field);
         }
@@ -67,7 +67,7 @@ fn field(told: &Json) -> Result<Field, String> {
     let text_max = if is_bounded { number("string_capacity")? } else { 0 };
     let mut field = Field { name: name.to_owned(), base, shape, text_max, default: None };
     let default = told.text("default_value").unwrap_or_default();
-    // The hash leaves defaults out; one that cannot be read is none.
+    // Defaults are not part of the hash; an invalid one is ignored.
     if !default.is_empty() && matches!(field.base, Base::Primitive(_)) {
         field.default = literal::default(default, &field).ok();
     }
@@ -110,7 +110,7 @@ mod tests {
         );
     }
 
-    /// Reads a description with these numbers of types and of fields in each. Returns the number of types.
+    /// Parses a description with these numbers of types and of fields in each. Returns the number of types.
     fn described(types: usize, fields: usize) -> Result<usize, String> {
         let field = r#"{"name": "a", "type": {"type_id": 2, "capacity": 0}}"#;
         let fields = vec![field; fields].join(",");

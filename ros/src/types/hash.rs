@@ -1,4 +1,4 @@
-//! The hash of a type as REP 2016 has it: `RIHS01_`, and SHA-256 of the canonical text of its description.
+//! The hash of a type by REP 2016: `RIHS01_`, and SHA-256 of the canonical text of its description.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,10 +8,10 @@ use sha2::{Digest as _, Sha256};
 use super::library::{Kind, Type};
 use super::{Primitive, Shape};
 
-/// What IDL has in a structure without fields.
+/// Name of the dummy field in IDL for a structure without fields.
 pub(super) const NO_MEMBER: &str = "structure_needs_at_least_one_member";
 
-/// `RIHS01_…` of a type.
+/// The hash `RIHS01_…` of a type.
 pub(crate) fn rihs01(top: &Type) -> String {
     let digest = Sha256::digest(canonical(top).as_bytes());
     digest.iter().fold("RIHS01_".to_owned(), |mut text, byte| {
@@ -20,7 +20,7 @@ pub(crate) fn rihs01(top: &Type) -> String {
     })
 }
 
-/// The description as text: the type, then all types below it, by name.
+/// The description as text: the type, then all nested types, by name.
 fn canonical(top: &Type) -> String {
     let mut below = BTreeMap::new();
     collect(top, &mut below);
@@ -54,7 +54,7 @@ fn individual(one: &Type) -> String {
         };
         fields.push(described(&field.name, number + offset, capacity, field.text_max, nested));
     }
-    // A structure of IDL cannot be empty.
+    // IDL has no empty structures.
     if fields.is_empty() {
         fields.push(described(NO_MEMBER, number(Primitive::UInt8, 0), 0, 0, ""));
     }
@@ -67,7 +67,7 @@ fn described(name: &str, id: u32, capacity: u32, text_max: u32, nested: &str) ->
     )
 }
 
-/// The number in `type_description_interfaces/msg/FieldType` of one value.
+/// The number of a single value in `type_description_interfaces/msg/FieldType`.
 fn number(primitive: Primitive, text_max: u32) -> u32 {
     match primitive {
         Primitive::Int8 => 2,
@@ -91,7 +91,7 @@ fn number(primitive: Primitive, text_max: u32) -> u32 {
     }
 }
 
-/// The type of one value that has this number.
+/// The type of a single value with this number.
 pub(super) fn primitive(id: u32) -> Option<Primitive> {
     Some(match id {
         2 => Primitive::Int8,

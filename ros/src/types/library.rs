@@ -1,4 +1,4 @@
-//! Finds types by name: in the folders of the user, in installations of ROS, among those that lie in this program.
+//! Lookup of types by name: in the folders of the user, in installations of ROS, and in this program.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use super::{
     parse,
 };
 
-/// Types inside of types.
+/// Maximum nesting of types.
 pub(crate) const DEPTH_MAX: usize = 64;
-/// Bytes of an interface file.
+/// Maximum size of an interface file, in bytes.
 const FILE_MAX: u64 = 1 << 20;
 
-/// A message type with all that it is made of.
+/// A message type with its nested types.
 #[derive(Debug)]
 pub(crate) struct Type {
     pub(crate) name: String,
@@ -26,7 +26,7 @@ pub(crate) struct Type {
     is_large: bool,
 }
 
-/// A field of it.
+/// A field of a message type.
 #[derive(Debug)]
 pub(crate) struct TypeField {
     pub(crate) name: String,
@@ -36,7 +36,7 @@ pub(crate) struct TypeField {
     pub(crate) default: Option<Literal>,
 }
 
-/// What one value of a field is.
+/// The type of a single value of a field.
 #[derive(Debug)]
 pub(crate) enum Kind {
     Primitive(Primitive),
@@ -44,7 +44,7 @@ pub(crate) enum Kind {
 }
 
 impl Type {
-    /// Computes the sizes once: a type can hold another one in two fields on each of 64 levels.
+    /// Computes the sizes once, because a type can contain another one in two fields on each of 64 levels.
     fn new(message: &Message, fields: Vec<TypeField>) -> Self {
         let nested = || fields.iter().filter_map(|field| field.kind.nested());
         let depth = 1 + nested().map(|nested| nested.depth).max().unwrap_or(0);
@@ -56,7 +56,7 @@ impl Type {
         Self { name, fields, constants, depth, least_width, is_large }
     }
 
-    /// Whether messages can be megabytes: they hold lists of bytes without end.
+    /// True if messages can have megabytes, because they contain unbounded lists of bytes.
     pub(crate) fn is_large(&self) -> bool {
         self.is_large
     }
@@ -77,7 +77,7 @@ impl TypeField {
 }
 
 impl Kind {
-    /// The least number of bytes that a value can take, so that a claimed number of values can be checked.
+    /// The minimum number of bytes of a value, for checking a claimed number of values.
     pub(crate) fn least_width(&self) -> usize {
         match self {
             Self::Primitive(primitive) => primitive.width(),
@@ -93,29 +93,29 @@ impl Kind {
     }
 }
 
-/// Where types are looked up, and what was found.
+/// Folders of types, and a cache of loaded types.
 pub(crate) struct Library {
-    /// `FOLDER/PACKAGE/msg/NAME.msg`; no two of them may disagree.
+    /// Folders with `FOLDER/PACKAGE/msg/NAME.msg`; duplicates must be identical.
     folders: Vec<PathBuf>,
-    /// The same, of installations; the first one counts.
+    /// Folders of installations; the first match is used.
     installed: Vec<PathBuf>,
     read: BTreeMap<String, Arc<Message>>,
     types: BTreeMap<String, Arc<Type>>,
 }
 
 impl Library {
-    /// One that looks into `folders` first, then below `share` of each of `prefixes`, then into this program.
+    /// A library that searches `folders` first, then `share` below each of `prefixes`, then this program.
     pub(crate) fn new(folders: Vec<PathBuf>, prefixes: &[PathBuf]) -> Self {
         let installed = prefixes.iter().map(|prefix| prefix.join("share")).collect();
         Self { folders, installed, read: BTreeMap::new(), types: BTreeMap::new() }
     }
 
-    /// The type of this full name, also of a part of a service or action.
+    /// The type with this full name, or a part of a service or action.
     pub(crate) fn find(&mut self, full: &str) -> Result<Arc<Type>, String> {
         self.resolve(full, &mut Vec::new())
     }
 
-    /// Whether the file of this type, or of the service or action that it is a part of, lies in this program only.
+    /// True if only this program contains the file of this type, or of its service or action.
     pub(crate) fn is_bundled(&self, full: &str) -> bool {
         let Ok(name) = TypeName::parse(full) else { return false };
         let short = name.whole();
@@ -124,7 +124,8 @@ impl Library {
             && !self.folders.iter().chain(&self.installed).any(|at| at.join(&relative).exists())
     }
 
-    /// Takes a type as others describe it, with those that it is made of: the first of `messages`, if its hash is the one that they announce.
+    /// Adds a type from a remote description: the first of `messages`, if its hash matches the announced one, with its
+    /// nested types.
     pub(crate) fn learn(&mut self, messages: Vec<Message>, announced: &str) -> Result<(), String> {
         let names: Vec<String> = messages.iter().map(|message| message.name.clone()).collect();
         let top = names.first().ok_or("nothing is described")?;
@@ -188,13 +189,13 @@ impl Library {
         Ok(found)
     }
 
-    /// The message of this name, without what it is made of.
+    /// The message with this name, without its nested types.
     fn message(&mut self, full: &str) -> Result<Arc<Message>, String> {
         if let Some(known) = self.read.get(full) {
             return Ok(Arc::clone(known));
         }
         let name = TypeName::parse(full)?;
-        // Parts of a service or action lie in its file.
+        // Parts of a service or action are in its file.
         let file = TypeName { name: name.whole(), ..name };
         for message in self.file(&file)? {
             self.read.insert(message.name.clone(), Arc::new(message));
@@ -203,7 +204,7 @@ impl Library {
         found.ok_or_else(|| format!("{file} has no part `{}`", name.name))
     }
 
-    /// What the interface file of `name` holds, and what follows from it.
+    /// The messages in the interface file of `name`, and those derived from it.
     fn file(&self, name: &TypeName<'_>) -> Result<Vec<Message>, String> {
         let full = name.to_string();
         let mut messages = self.parsed(name)?;
@@ -262,7 +263,7 @@ impl Library {
     }
 }
 
-/// Refuses a type that is known if it is too deep below those that hold it.
+/// Refuses a known type that is nested too deep in its containers.
 fn within_depth(known: &Type, above: &[String]) -> Result<(), String> {
     match above.first() {
         Some(top) if above.len() + known.depth > DEPTH_MAX => Err(too_deep(top)),
@@ -274,12 +275,12 @@ fn too_deep(top: &str) -> String {
     format!("`{top}` is nested more than {DEPTH_MAX} deep")
 }
 
-/// Where the file of an interface lies in a folder of interfaces.
+/// Path of an interface file in a folder of interfaces.
 fn relative(package: &str, sort: Sort, short: &str) -> PathBuf {
     PathBuf::from(package).join(sort.word()).join(format!("{short}.{}", sort.word()))
 }
 
-/// The text of a file, or `None` if there is none.
+/// The text of a file, or `None` if the file is missing.
 fn read(path: &Path) -> Result<Option<String>, String> {
     let Ok(about) = path.metadata() else { return Ok(None) };
     if about.len() > FILE_MAX {
@@ -296,7 +297,7 @@ mod tests {
     use super::super::{bundled, hash};
     use super::{DEPTH_MAX, FILE_MAX, Library};
 
-    /// A library of the messages `own/msg/N`, each with its text.
+    /// A library with the messages `own/msg/N`, each with its text.
     fn library(texts: impl IntoIterator<Item = (String, String)>) -> (tempfile::TempDir, Library) {
         let folder = tempfile::tempdir().unwrap();
         let own = folder.path().join("own/msg");
@@ -308,7 +309,7 @@ mod tests {
         (folder, found)
     }
 
-    /// Messages in levels: the fields of `N1` are of `N2`, and so on.
+    /// Nested messages: the fields of `N1` have the type `N2`, and so on.
     fn levels(count: usize, fields: &str) -> (tempfile::TempDir, Library) {
         let text = |level: usize| match level {
             level if level == count => "int8 a".to_owned(),
@@ -366,7 +367,7 @@ mod tests {
         library.learn(told.clone(), announced).unwrap();
         assert_eq!(hash::rihs01(&library.find("own/msg/Own").unwrap()), announced);
         assert!(library.learn(other.clone(), announced).is_err());
-        // What is in use is not replaced by another type of that name.
+        // A type in use is never replaced by another type with its name.
         let refused = library.learn(other.clone(), "").unwrap_err();
         let hash_of_other = refused.rsplit(' ').next().unwrap();
         let refused = library.learn(other, hash_of_other).unwrap_err();
@@ -389,7 +390,7 @@ mod tests {
         assert_eq!(hash::rihs01(&found), announced);
     }
 
-    /// The hashes that the packages themselves say they have.
+    /// Hashes as stated by the packages.
     #[test]
     fn hashes_of_all_bundled_types_are_those_of_their_packages() {
         let mut library = Library::new(Vec::new(), &[]);
@@ -403,7 +404,7 @@ mod tests {
             })
             .collect();
         assert_eq!(wrong, Vec::<String>::new());
-        // No package of these says its hashes.
+        // These packages state no hashes.
         let silent = [
             "example_interfaces/",
             "moveit_msgs/",

@@ -5,7 +5,7 @@ use super::{Base, Field, Literal, Primitive, Shape};
 /// The literal of a constant.
 pub(super) fn constant(text: &str, primitive: Primitive) -> Result<Literal, String> {
     match primitive {
-        // The text of a constant is all that follows the `=`; quotes around all of it are no part of it.
+        // A text constant is everything after the `=`, without enclosing quotes.
         Primitive::Text | Primitive::WideText => {
             Ok(Literal::Text(unquoted(text).unwrap_or_else(|| text.to_owned())))
         }
@@ -39,7 +39,7 @@ fn list(text: &str, primitive: Primitive) -> Result<Vec<Literal>, String> {
     split(inner).into_iter().map(|part| one(part.trim(), primitive)).collect()
 }
 
-/// The parts between commas that stand outside of quotes.
+/// The parts between commas outside of quotes.
 fn split(text: &str) -> Vec<&str> {
     let (mut parts, mut start, mut quote, mut escaped) = (Vec::new(), 0, None, false);
     for (at, c) in text.char_indices() {
@@ -83,7 +83,7 @@ fn one(text: &str, primitive: Primitive) -> Result<Literal, String> {
     }
 }
 
-/// Decimal, or with `0x`, `0o`, `0b` before it.
+/// Decimal, or with the prefix `0x`, `0o` or `0b`.
 fn integer(text: &str) -> Option<i128> {
     let (sign, digits) = match text.strip_prefix('-') {
         Some(rest) => (-1, rest),
@@ -100,7 +100,7 @@ fn integer(text: &str) -> Option<i128> {
     i128::from_str_radix(digits, radix).ok().map(|value| sign * value)
 }
 
-/// The least and the greatest value of a type of integers.
+/// The minimum and maximum of an integer type.
 pub(crate) fn range(primitive: Primitive) -> (i128, i128) {
     let bits = primitive.width() * 8;
     match primitive {
@@ -111,7 +111,7 @@ pub(crate) fn range(primitive: Primitive) -> (i128, i128) {
     }
 }
 
-/// What stands between quotes that hold all of the text; `\` keeps the character after it.
+/// The text between enclosing quotes; `\` escapes the next character.
 fn unquoted(text: &str) -> Option<String> {
     let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''))?;
     let inner = text.strip_prefix(quote)?.strip_suffix(quote)?;

@@ -1,6 +1,6 @@
-//! Interface types of ROS: what they are made of, how their files are read, where they are found, and their hashes.
+//! Interface types of ROS: their structure, the parsing of their files, their lookup, and their hashes.
 //!
-//! Knows nothing of the wire, of a middleware, or of the program that asks.
+//! Knows nothing of the wire, of a middleware, or of the parent program.
 
 pub(crate) mod bundled;
 pub(crate) mod derived;
@@ -13,10 +13,10 @@ pub(crate) mod parse;
 use std::fmt;
 use std::sync::Arc;
 
-/// The largest message that is sure to arrive.
+/// The largest message that is certain to arrive, in bytes.
 pub(crate) const MESSAGE_MAX: usize = 33 << 20;
 
-/// A type that is no message.
+/// A primitive type.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) enum Primitive {
     Bool,
@@ -41,7 +41,7 @@ use Primitive::{
     UInt64, WideText,
 };
 
-/// Each with its name in interface files.
+/// All primitive types with their names in interface files.
 const PRIMITIVES: [(&str, Primitive); 15] = [
     ("bool", Bool),
     ("byte", Byte),
@@ -61,17 +61,17 @@ const PRIMITIVES: [(&str, Primitive); 15] = [
 ];
 
 impl Primitive {
-    /// The one of this name.
+    /// The primitive type with this name.
     pub(crate) fn named(name: &str) -> Option<Self> {
         PRIMITIVES.iter().find(|(known, _)| *known == name).map(|(_, primitive)| *primitive)
     }
 
-    /// Its name in interface files.
+    /// The name in interface files.
     pub(crate) fn name(self) -> &'static str {
         PRIMITIVES.iter().find(|(_, known)| *known == self).map_or("", |(name, _)| name)
     }
 
-    /// Bytes of a value on the wire, which is also what it is aligned to; of a text, those of its length.
+    /// Size in bytes of a value on the wire, which is also its alignment; for a text, those of its length.
     pub(crate) fn width(self) -> usize {
         match self {
             Bool | Byte | Char | Int8 | UInt8 => 1,
@@ -81,7 +81,7 @@ impl Primitive {
         }
     }
 
-    /// The code of its arrays in frames, as in Python's `array`; `None` for truth values and texts.
+    /// The code of its arrays in frames, as in Python's `array`; `None` for booleans and texts.
     pub(crate) fn code(self) -> Option<char> {
         Some(match self {
             Byte | Char | UInt8 => 'B',
@@ -99,7 +99,7 @@ impl Primitive {
     }
 }
 
-/// What one value of a field is.
+/// The type of a single value of a field.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum Base {
     Primitive(Primitive),
@@ -107,7 +107,7 @@ pub(crate) enum Base {
     Message(Arc<str>),
 }
 
-/// How many values a field holds.
+/// Number of values in a field.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Shape {
     One,
@@ -132,12 +132,12 @@ pub(crate) struct Field {
     pub(crate) name: String,
     pub(crate) base: Base,
     pub(crate) shape: Shape,
-    /// The longest text, or 0.
+    /// Maximum length of a text; 0 if unlimited.
     pub(crate) text_max: u32,
     pub(crate) default: Option<Literal>,
 }
 
-/// A message type; also a part of a service or an action.
+/// A message type, or a part of a service or an action.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Message {
     /// `geometry_msgs/msg/Twist`, `std_srvs/srv/Trigger_Request`.
@@ -146,7 +146,7 @@ pub(crate) struct Message {
     pub(crate) constants: Vec<(String, Primitive, Literal)>,
 }
 
-/// Which sort of interface a name is one of.
+/// The kind of an interface.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Sort {
     Message,
@@ -155,7 +155,7 @@ pub(crate) enum Sort {
 }
 
 impl Sort {
-    /// The folder of its files, which is also their ending.
+    /// The folder of its files, which is also their extension.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Message => "msg",
@@ -164,7 +164,7 @@ impl Sort {
         }
     }
 
-    /// The sort of this word.
+    /// The kind with this folder name.
     pub(crate) fn of(word: &str) -> Option<Self> {
         [Self::Message, Self::Service, Self::Action].into_iter().find(|sort| sort.word() == word)
     }
@@ -179,7 +179,7 @@ pub(crate) struct TypeName<'a> {
 }
 
 impl<'a> TypeName<'a> {
-    /// Splits `package/msg/Name`; the error says what is wrong with it.
+    /// Splits `package/msg/Name`; the error describes the problem.
     pub(crate) fn parse(full: &'a str) -> Result<Self, String> {
         let parts: Vec<&str> = full.split('/').collect();
         let [package, sort, name] = parts[..] else {
@@ -201,7 +201,7 @@ impl<'a> TypeName<'a> {
 }
 
 impl TypeName<'_> {
-    /// The name of what its file holds: parts of a service or action lie in that one's.
+    /// The name of the interface in its file: the service or action for its parts.
     pub(crate) fn whole(&self) -> &str {
         match self.sort {
             Sort::Message => self.name,

@@ -1,16 +1,16 @@
-//! Reads interface files: `.msg`, and the parts of `.srv` and `.action`.
+//! Parser for interface files: `.msg`, and the parts of `.srv` and `.action`.
 //!
-//! Any text gives messages or an error with its line; nothing panics.
+//! Any text gives messages, or an error with its line. Nothing panics.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Base, Field, Message, Primitive, Shape, Sort, literal};
 
-/// Fields of a type, so that a file cannot make one without end.
+/// Maximum number of fields of a type.
 const FIELDS_MAX: usize = 10_000;
 
-/// The messages that a file holds: one, or the parts of a service or action under their names.
+/// The messages in a file: one, or the named parts of a service or action.
 pub(crate) fn file(
     text: &str,
     package: &str,
@@ -82,9 +82,9 @@ impl Entry {
     }
 }
 
-/// `type name`, `type name default`, or `type NAME=value`.
+/// Parses `type name`, `type name default`, or `type NAME=value`.
 fn entry(line: &str, package: &str) -> Result<Entry, String> {
-    // Words such as `@key` before a field are for the middleware.
+    // Annotations such as `@key` before a field are for the middleware.
     if line.starts_with('@') {
         return Err("annotations are not known here".to_owned());
     }
@@ -115,7 +115,7 @@ fn entry(line: &str, package: &str) -> Result<Entry, String> {
     Ok(Entry::Field(Box::new(field)))
 }
 
-/// `float64[9]`, `string<=10[<=3]`, `Point`, `geometry_msgs/Point[]`.
+/// Parses `float64[9]`, `string<=10[<=3]`, `Point`, `geometry_msgs/Point[]`.
 fn typed(text: &str, package: &str) -> Result<Field, String> {
     let (base, shape) = match text.strip_suffix(']') {
         None => (text, Shape::One),
@@ -150,10 +150,10 @@ fn number(text: &str) -> Result<u32, String> {
     value.ok_or_else(|| format!("`{text}` is no size"))
 }
 
-/// The full name of a message that a field of `package` names.
+/// The full name of a message type in a field of `package`.
 fn message_name(text: &str, package: &str) -> Result<Arc<str>, String> {
     let full = match text.split('/').collect::<Vec<_>>()[..] {
-        // Files of ROS 1 call it so.
+        // Short name in files of ROS 1.
         ["Header"] => "std_msgs/msg/Header".to_owned(),
         [name] => format!("{package}/msg/{name}"),
         [package, name] => format!("{package}/msg/{name}"),
@@ -164,7 +164,7 @@ fn message_name(text: &str, package: &str) -> Result<Arc<str>, String> {
     Ok(full.into())
 }
 
-/// The line up to a `#` that stands outside of quotes.
+/// The line up to a `#` outside of quotes.
 fn without_comment(line: &str) -> &str {
     let (mut quote, mut escaped) = (None, false);
     for (at, c) in line.char_indices() {
@@ -177,7 +177,7 @@ fn without_comment(line: &str) -> &str {
             _ => {}
         }
     }
-    // A quote that is never closed is an apostrophe.
+    // An unclosed quote is an apostrophe.
     match quote {
         Some(_) => line.split('#').next().unwrap_or(line),
         None => line,
