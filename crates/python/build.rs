@@ -1,4 +1,4 @@
-//! Lists the files of the Python package, so that the extension carries them.
+//! Lists the files of the Python package, which the extension embeds.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ fn main() -> io::Result<()> {
     fs::write(out.join("package.rs"), code)
 }
 
-/// A path as Rust writes a text.
+/// A path as a Rust string literal.
 fn literal(path: &Path) -> String {
     format!("{:?}", path.to_string_lossy())
 }

@@ -1,7 +1,7 @@
-//! Some numbers of an array, evenly spaced, so that people see what is in it.
+//! Evenly spaced samples of an array, for views.
 //!
-//! Knows what arrays of any library have in common: `shape`, `dtype.kind`, slices and `tolist`. Must never import one of these
-//! libraries, nor copy all of an array.
+//! Knows the common interface of arrays from any library: `shape`, `dtype.kind`, slices and `tolist`. Must never import one
+//! of these libraries, nor copy a whole array.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyList, PySlice, PyTuple};
@@ -62,7 +62,7 @@ fn slices<'py>(py: Python<'py>, steps: &[u64]) -> Option<Bound<'py, PyTuple>> {
     PyTuple::new(py, slices.collect::<Option<Vec<_>>>()?).ok()
 }
 
-/// The numbers of nested lists, which must be as long as was asked for.
+/// The numbers of nested lists; `None` unless their lengths match.
 fn flatten<'py>(
     nested: Bound<'py, PyAny>,
     sampled: &[u64],

@@ -18,7 +18,7 @@ use rafcon_storage::{Libraries, Saved, fill_library};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// A machine in the making. A state that was built by itself is the root of one.
+/// A machine under construction. An independently built state is the root of one.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 pub(crate) struct Document(Mutex<Content>);
@@ -52,7 +52,7 @@ impl Document {
         Self::of(machine, None, Arc::default())
     }
 
-    /// The outermost state with everything in it.
+    /// The outermost state with all its children.
     pub(crate) fn root(&self) -> Arc<State> {
         Arc::clone(&self.0.lock().machine.root)
     }
@@ -76,7 +76,7 @@ impl Document {
 
 #[pymethods]
 impl Document {
-    /// A new state of a kind, with the outcomes *aborted* and *preempted* and nothing else.
+    /// A new state of a kind, with only the outcomes *aborted* and *preempted*.
     #[staticmethod]
     fn state(kind: &str, state_id: &str, name: &str) -> PyResult<Self> {
         let inside = Container::default;
@@ -127,7 +127,7 @@ impl Document {
         }
     }
 
-    /// Carries changes out, all or none. Each is a verb, the path of a state, and arguments.
+    /// Applies changes, all or none. Each consists of a verb, the path of a state, and arguments.
     fn edit(&self, py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
         let edit = batch(changes)?;
         let mut content = self.lock(py);
@@ -167,7 +167,7 @@ impl Document {
         }))
     }
 
-    /// The state at a path as a document of its own, with everything in it.
+    /// The state at a path as a separate document, with all its children.
     fn taken(&self, py: Python<'_>, path: &str) -> PyResult<Self> {
         let (path, content) = (StatePath::parse(path), self.lock(py));
         let root = content.machine.state(&path).cloned().ok_or_else(|| missing(&path))?;
@@ -187,7 +187,7 @@ impl Document {
         self.lock(py).machine.root.id.to_string()
     }
 
-    /// Puts the root of another document in the place of this one's.
+    /// Replaces the root by that of another document.
     fn set_root(&self, py: Python<'_>, other: &Self) {
         let root = other.lock(py).machine.root.clone();
         self.lock(py).machine.root = root;
@@ -221,7 +221,7 @@ fn missing(path: &StatePath) -> PyErr {
     PyKeyError::new_err(format!("the state {path} no longer exists; read the machine again"))
 }
 
-/// A library state has a value of its own for every port from the start.
+/// A library state has its own value for every port from the start.
 fn set_defaults(state: &mut State) {
     let (inputs, outputs) = (defaults(&state.inputs), defaults(&state.outputs));
     if let Kind::Library(library) = &mut state.kind {
@@ -269,7 +269,7 @@ fn fact<'py>(py: Python<'py>, state: &State, key: &str) -> PyResult<Bound<'py, P
     })
 }
 
-/// The ids of the states inside; of a library state, that of its library's root.
+/// Ids of the child states; for a library state, that of its library's root.
 fn children<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'py, PyList>> {
     let library = match &state.kind {
         Kind::Library(Library { content: LibraryContent::Found(root), .. }) => {

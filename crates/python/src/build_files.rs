@@ -1,4 +1,4 @@
-//! Machines from and to files for Python code that builds them, with the libraries that they use. Knows folders.
+//! Loading and saving of machines for Python code that builds them, with the libraries that they use. Knows folders.
 
 use crate::build::Document;
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -9,7 +9,7 @@ use smol_str::SmolStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// `rafcon._native.LibraryRoots`: folders with libraries, and what was read of them.
+/// `rafcon._native.LibraryRoots`: folders with libraries, and a cache of the libraries read.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 pub(crate) struct LibraryRoots {
@@ -26,7 +26,7 @@ impl LibraryRoots {
     }
 }
 
-/// `rafcon._native.load_document`: the machine in a folder, and what is wrong with its files and with itself.
+/// `rafcon._native.load_document`: the machine in a folder, and the problems of its files and of itself.
 #[pyfunction]
 pub(crate) fn load_document(
     py: Python<'_>,
@@ -42,8 +42,8 @@ pub(crate) fn load_document(
     Ok((Document::of(loaded.machine, Some(loaded.saved), libraries), problems))
 }
 
-/// `rafcon._native.save_document`: writes the machine to a folder. `naming` is whether folders carry names, and how long;
-/// `how` whether it is a copy, which leaves the document where it was, and whether the folder is fresh.
+/// `rafcon._native.save_document`: writes the machine to a folder. `naming` sets if folders contain names, and of what
+/// length. `how` sets if it is a copy, which keeps the document's folder, and if the folder is new.
 #[pyfunction]
 pub(crate) fn save_document(
     py: Python<'_>,

@@ -1,5 +1,5 @@
-//! A run inside a program that has built its machine: the program's own process hosts it. Knows the way in; what happens
-//! then is the runner's.
+//! A run inside a program that has built its machine, hosted by the program's own process. Knows the start of the run; the
+//! rest belongs to the runner.
 
 use crate::build::Document;
 use crate::build_files::LibraryRoots;
@@ -21,14 +21,14 @@ use std::path::Path;
 /// End of the last run of this program.
 static ENDING: Mutex<Option<Ending>> = Mutex::new(None);
 
-/// The end of a run, with the values themselves.
+/// The end of a run with its values.
 struct Ending {
     outcome: (i64, SmolStr),
     outputs: Vec<(SmolStr, Handle)>,
     scoped_variables: Vec<(SmolStr, Handle)>,
 }
 
-/// Keeps the end of a run for the program that started it.
+/// Stores the end of a run for the program that started it.
 pub(crate) fn ended(finish: &Finish<Handle>) {
     if !current::is_embedded() {
         return;
@@ -42,7 +42,7 @@ pub(crate) fn ended(finish: &Finish<Handle>) {
     drop(earlier);
 }
 
-/// `rafcon._native.ending`: what the root of the last run left behind; None if no run has ended.
+/// `rafcon._native.ending`: final values of the root of the last run; None if no run has ended.
 #[pyfunction]
 pub(crate) fn ending(py: Python<'_>) -> PyResult<Option<Bound<'_, PyDict>>> {
     let Some(Ending { outcome: (id, name), outputs, scoped_variables }) = ENDING.lock().take()
@@ -77,9 +77,9 @@ pub(crate) fn give_up_old_runs(py: Python<'_>, folder: &str) -> PyResult<()> {
     py.detach(prune).map_err(|error| PyOSError::new_err(reason(&error)))
 }
 
-/// `rafcon._native.host`: runs a machine that was built here as the other end of the socket `fd` asks for, to its end; a run
-/// that is resumed has its machine itself. `roots` are where its libraries lie, `inputs` those of the root. Output,
-/// signals and configuration stay those of the program.
+/// `rafcon._native.host`: runs a machine that was built here to its end, for the viewer at the other end of the socket
+/// `fd`. A resumed run has its own machine. `roots` are the folders of its libraries, `inputs` those of the root. Output,
+/// signals and configuration remain those of the program.
 #[pyfunction]
 pub(crate) fn host(
     py: Python<'_>,

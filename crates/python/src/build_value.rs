@@ -1,4 +1,4 @@
-//! Values and types from Python to the model, as files keep them. Knows the encoding of files; never who stores what.
+//! Conversion of values and types from Python to the model, as in files. Knows the encoding of files; never the caller.
 
 use crate::class::dotted;
 use crate::runtime::Runtime;
@@ -12,12 +12,12 @@ use std::sync::Arc;
 /// Maximum nesting depth of values, as in files.
 const DEPTH_MAX: usize = 190;
 
-/// The type of a dotted name.
+/// The type with a dotted name.
 pub(crate) fn model_type(name: &str) -> DataType {
     DataType::from_file(name)
 }
 
-/// The value as a file keeps it; `TypeError` for an object that no file can.
+/// The value in the form of files; `TypeError` for an object that files cannot contain.
 pub(crate) fn model_value(object: &Bound<'_, PyAny>) -> PyResult<Value> {
     value(object, DEPTH_MAX)
 }
@@ -87,7 +87,7 @@ fn dictionary(dict: &Bound<'_, PyDict>, depth: usize) -> PyResult<Value> {
     Ok(Value::Dict(members.into()))
 }
 
-/// An array of numpy, or an object of a class that makes dictionaries of itself.
+/// An array of numpy, or an object whose class converts it to a dictionary.
 fn encoded(object: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
     let class = dotted(object.get_type().as_any());
     let members = if class == "numpy.ndarray" {
@@ -112,7 +112,7 @@ fn unkept(what: &str) -> PyErr {
     ))
 }
 
-/// Asks Python about types that the model does not know.
+/// Types for the model, with Python's help for unknown ones.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PythonTypes;
 

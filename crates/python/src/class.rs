@@ -8,10 +8,10 @@ use smol_str::{SmolStr, format_smolstr};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Types remembered at most; a program that makes types without end is no reason to keep them all.
+/// Capacity of the cache; a program that creates types without limit must not fill the memory.
 const CLASSES_MAX: usize = 4096;
 
-/// A type that is not one of the common built-in ones.
+/// A type other than the common built-in ones.
 #[derive(Debug)]
 pub(crate) struct Class {
     /// Its own name, for messages.
@@ -20,11 +20,11 @@ pub(crate) struct Class {
     names: Box<[SmolStr]>,
     /// True if objects of exactly this type can never change.
     pub(crate) immutable: bool,
-    /// Keeps the address of the type from being used again.
+    /// Keeps the type alive, so that its address is not reused.
     _type: Py<PyType>,
 }
 
-/// By the address of the type.
+/// Types by their addresses.
 static CLASSES: Mutex<BTreeMap<usize, Arc<Class>>> = Mutex::new(BTreeMap::new());
 /// Real name of each declared type; `None` if only Python can check its objects.
 static DECLARED: RwLock<BTreeMap<SmolStr, Option<SmolStr>>> = RwLock::new(BTreeMap::new());

@@ -1,8 +1,8 @@
-//! Keeps the compiled modules of the package between starts, as CPython does with `.pyc` files: compiling them takes more than half
+//! Cache of the package's compiled modules between starts, like CPython's `.pyc` files: compiling them takes more than half
 //! of the time from the start of a runner to its first state.
 //!
 //! `$XDG_CACHE_HOME/rafcon/code` (else `~/.cache/rafcon/code`) has a folder for each version of the package and of the
-//! interpreter. Everything works without it: a folder that cannot be used, or a file that is damaged, costs time only.
+//! interpreter. The cache is optional: an unusable folder or a damaged file costs only time.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read as _, Write as _};
@@ -10,7 +10,7 @@ use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Folders of versions that are kept.
+/// Maximum number of cached versions.
 const VERSIONS_MAX: usize = 8;
 /// Bits of the mode of a folder that others could write to.
 const WRITABLE_BY_OTHERS: u32 = 0o022;
@@ -24,8 +24,8 @@ pub(crate) struct CodeCache {
 }
 
 impl CodeCache {
-    /// The folder for `version`, which is a name for a file; made if it is not there. None if there is no place for it, or if other
-    /// users can write to that place.
+    /// The folder for `version`, which must be a valid file name; created if necessary. `None` without a cache folder, or
+    /// if other users can write to it.
     pub(crate) fn open(version: &str) -> Option<Self> {
         let versions = cache_home()?.join("rafcon").join("code");
         let mut builder = DirBuilder::new();
@@ -51,7 +51,7 @@ impl CodeCache {
         is_whole.then(|| code.to_vec())
     }
 
-    /// Keeps `code` under this name. Readers see the whole file or none.
+    /// Stores `code` under this name. Readers see the whole file or none.
     pub(crate) fn write(&self, name: &str, code: &[u8]) -> io::Result<()> {
         let part = self.folder.join(format!("{name}.{}", std::process::id()));
         let mut file = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&part)?;
@@ -85,7 +85,7 @@ fn is_private(folder: &Path) -> bool {
     })
 }
 
-/// Removes the oldest versions beyond the bound.
+/// Removes the oldest versions beyond the limit.
 fn remove_oldest(versions: &Path) -> io::Result<()> {
     let mut found = Vec::new();
     for entry in fs::read_dir(versions)? {

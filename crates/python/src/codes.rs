@@ -1,5 +1,5 @@
-//! Compiled scripts by their text: each text is compiled once, however many states have it, and each state's tracebacks name
-//! the state's own file.
+//! Compiled scripts by their text. Each text is compiled once, regardless of the number of states with it; tracebacks of
+//! each state name the state's own file.
 
 use crate::runtime::Runtime;
 use parking_lot::Mutex;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub(crate) struct Codes(Mutex<BTreeMap<Arc<str>, Py<PyCode>>>);
 
 impl Codes {
-    /// The code of a text as that of a file.
+    /// The code of a text, with the name of a file.
     pub(crate) fn get(&self, py: Python<'_>, text: &Arc<str>, file: &str) -> PyResult<Py<PyCode>> {
         if file.starts_with('<') {
             remember_source(py, text, file)?;
@@ -36,14 +36,14 @@ fn compile(py: Python<'_>, text: &str, file: &str) -> PyResult<Py<PyCode>> {
     Ok(code.cast_into::<PyCode>()?.unbind())
 }
 
-/// Lets tracebacks show lines of a script that no file has.
+/// Lets tracebacks show the lines of a script without a file.
 fn remember_source(py: Python<'_>, text: &str, file: &str) -> PyResult<()> {
     let lines = PyString::new(py, text).call_method1("splitlines", (true,))?;
     let cache = py.import("linecache")?.getattr("cache")?;
     cache.set_item(file, (text.len(), py.None(), lines, file))
 }
 
-/// The same code, and the code of all functions in it, as that of another file.
+/// The code, and the code of all functions in it, with the name of another file.
 fn relocated<'py>(code: &Bound<'py, PyCode>, file: &str) -> PyResult<Bound<'py, PyCode>> {
     let py = code.py();
     let constants = code.getattr(pyo3::intern!(py, "co_consts"))?.cast_into::<PyTuple>()?;

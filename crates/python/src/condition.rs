@@ -1,4 +1,4 @@
-//! The condition of a breakpoint, evaluated over copies of a state's data.
+//! Evaluation of breakpoint conditions with copies of a state's data.
 
 use crate::copy::copied;
 use crate::handle::Handle;

@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use rafcon_storage::{Config, Root, config};
 use std::path::Path;
 
-/// Shows scripts the configuration that the run has; the library roots are those that are used, wherever they come from.
+/// Shows scripts the configuration of the run, with the library roots that are in use.
 pub(crate) fn put_in_force(py: Python<'_>, config: &Config, roots: &[Root]) -> PyResult<()> {
     let roots = roots.iter().map(|root| (root.name.as_str(), root.dir.as_path()));
     Runtime::get(py)?.configure.call1(py, (values(py, config, roots)?,))?;

@@ -1,4 +1,4 @@
-//! Copies of values for scripts, which may change what they receive. Nothing that cannot change is copied.
+//! Copies of values for scripts, which may change their inputs. Immutable values are not copied.
 
 use crate::handle::{Handle, Kind};
 use crate::runtime::Runtime;
@@ -6,7 +6,7 @@ use pyo3::exceptions::PyBaseException;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-/// A value that the caller may change; the error is what its own copying raised.
+/// A value that the caller may change. The error is the one that its own copying raised.
 pub(crate) fn copied<'py>(py: Python<'py>, value: &Handle) -> PyResult<Bound<'py, PyAny>> {
     let object = value.bind(py);
     match value.kind() {

@@ -1,5 +1,5 @@
-//! The run that this process hosts, for functions that Python calls. One process hosts one run at a time; only a program
-//! that embeds the engine hosts another after it.
+//! The run of this process, for functions called by Python. A process hosts one run at a time; only a program that embeds
+//! the engine hosts several in sequence.
 
 use crate::scripts::PythonScripts;
 use crate::thread;
@@ -18,13 +18,13 @@ static DRIVER: RwLock<Option<Run>> = RwLock::new(None);
 static FORKED: AtomicBool = AtomicBool::new(false);
 static EMBEDDED: AtomicBool = AtomicBool::new(false);
 
-/// The run is ready.
+/// Sets the run once it is ready.
 pub(crate) fn set(driver: &Run) {
     let earlier = DRIVER.write().replace(Arc::clone(driver));
     drop(earlier);
 }
 
-/// Runs are hosted by a program that has other things to do, too. True if that is news.
+/// Marks the process as one that embeds runs. True at the first call.
 pub(crate) fn embed() -> bool {
     !EMBEDDED.swap(true, Ordering::Relaxed)
 }
@@ -80,7 +80,7 @@ pub(crate) fn is_forked() -> bool {
     FORKED.load(Ordering::Relaxed)
 }
 
-/// This process is such a copy.
+/// Marks this process as a fork.
 pub(crate) fn fork_happened() {
     FORKED.store(true, Ordering::Relaxed);
 }

@@ -7,7 +7,7 @@ use parking_lot::Mutex;
 use rafcon_protocol::{LogLevel, Stream};
 use rafcon_runner::Driver;
 
-/// More than this is not kept: a plugin that prints without end must not fill the memory.
+/// Maximum size of the kept output, in bytes, so that a plugin that prints without end does not fill the memory.
 const BYTES_MAX: usize = 1 << 20;
 
 /// A line of output.
@@ -56,7 +56,7 @@ pub(crate) fn hand_over(driver: &Driver<PythonScripts>) {
     }
 }
 
-/// There was no run: the lines go to the standard error.
+/// Prints the lines to the standard error if no run was started.
 #[expect(clippy::print_stderr, reason = "without a run there is no other log")]
 pub(crate) fn print() {
     for line in take() {

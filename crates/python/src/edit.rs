@@ -1,5 +1,5 @@
-//! Edits as Python code asks for them: a verb and its arguments become a value of the model, a refusal becomes an exception.
-//! Knows the verbs of `rafcon._changes`; never what they change.
+//! Edits from Python code: a verb and its arguments become a value of the model, a refusal becomes an exception. Knows the
+//! verbs of `rafcon._changes`; never their effects.
 
 use crate::build::Document;
 use crate::build_value::{model_type, model_value};
@@ -18,7 +18,7 @@ use rafcon_model::{
 use smol_str::SmolStr;
 use std::sync::Arc;
 
-/// One change: the verb, the path of the state that it is about, and what the verb needs.
+/// One change: the verb, the path of its state, and the verb's arguments.
 #[derive(Debug)]
 pub(crate) struct Request<'a, 'py> {
     pub(crate) verb: &'a str,
@@ -27,7 +27,7 @@ pub(crate) struct Request<'a, 'py> {
 }
 
 impl<'py> Request<'_, 'py> {
-    /// The edit that does it.
+    /// The edit for this change.
     pub(crate) fn edit(self) -> PyResult<Edit> {
         match self.verb.split_once('.') {
             Some(("state", verb)) => self.state(verb),
@@ -50,7 +50,7 @@ impl<'py> Request<'_, 'py> {
         PyValueError::new_err(format!("no change is named {}", self.verb))
     }
 
-    /// The arguments, as many as the pattern asks for.
+    /// The arguments, whose number must match the pattern.
     fn all<T: FromPyObjectOwned<'py>>(&self) -> PyResult<T> {
         self.args.extract().map_err(Into::into)
     }
@@ -254,7 +254,7 @@ impl<'py> Request<'_, 'py> {
 /// An argument that may be any object.
 type Any<'py> = Bound<'py, PyAny>;
 
-/// A state with everything in it, handed over as the document in which it was built.
+/// A state with all its children, passed as the document in which it was built.
 struct BuiltState(Arc<State>);
 
 impl<'py> FromPyObject<'_, 'py> for BuiltState {
@@ -265,7 +265,7 @@ impl<'py> FromPyObject<'_, 'py> for BuiltState {
     }
 }
 
-/// Another type with another default, in an order in which the default fits at any time.
+/// Changes of type and default, in an order in which the default always fits.
 fn retype(data_type: &str, default: Value) -> Vec<PortEdit> {
     vec![
         PortEdit::SetDefault(Value::None),
@@ -296,8 +296,8 @@ pub(crate) fn kind_name(name: &str) -> PyResult<KindName> {
     }
 }
 
-/// A refusal as the reference raises it: what is not there is an `AttributeError`, a wrong type a `TypeError`, a change of a
-/// library's interface `NotImplementedError`, all else `ValueError`.
+/// The reference's exception for a refusal: `AttributeError` for a missing object, `TypeError` for a wrong type,
+/// `NotImplementedError` for a change of a library's interface, `ValueError` otherwise.
 pub(crate) fn refused(error: &EditError) -> PyErr {
     let text = error.to_string();
     match error.rule {

@@ -1,4 +1,4 @@
-//! Changes of the machine that runs, as its own scripts ask for them. Knows the run; never how a change is carried out.
+//! Changes of the running machine by its own scripts. Knows the run; never the execution of a change.
 
 use crate::build::{Change, Document, batch};
 use crate::build_value::PythonTypes;
@@ -11,14 +11,14 @@ use rafcon_model::edit::apply;
 use rafcon_model::{Header, Machine, StatePath};
 use std::sync::Arc;
 
-/// `rafcon._native.revision`: differs after every change of the machine that runs.
+/// `rafcon._native.revision`: differs after every change of the running machine.
 #[pyfunction]
 pub(crate) fn revision() -> PyResult<u64> {
     Ok(current::facts()?.scripts().seating.generation())
 }
 
-/// `rafcon._native.edit`: carries changes out, all or none. The machine has them when this returns, and honours them at its
-/// next step. What is in use cannot be taken away: `MachineChangeRefused`.
+/// `rafcon._native.edit`: applies changes, all or none. The machine has them on return, and uses them from its next step
+/// on. Parts in use cannot be removed: `MachineChangeRefused`.
 #[pyfunction]
 pub(crate) fn edit(py: Python<'_>, changes: Vec<Change<'_>>) -> PyResult<()> {
     let driver = current::driver()?;
@@ -56,7 +56,7 @@ fn words(verb: &str, path: &str) -> String {
     format!("{part} {done} at {path}")
 }
 
-/// `rafcon._native.taken`: the state at a place, with everything in it, as a document of its own.
+/// `rafcon._native.taken`: the state at a place as a separate document, with all its children.
 #[pyfunction]
 pub(crate) fn taken(py: Python<'_>, path: u32) -> PyResult<Document> {
     let place = place(py, path)?;

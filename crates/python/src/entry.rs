@@ -48,8 +48,8 @@ const FREE_THREADED: &CStr =
     c"rafcon needs a Python with the global interpreter lock; this is a free-threaded build. \
     Choose another interpreter by --python or RAFCON_PYTHON.";
 
-/// Called by the interpreter when it loads the extension. A free-threaded build lays its objects out differently, so it is
-/// refused before anything else is touched.
+/// Called by the interpreter when it loads the extension. A free-threaded build has another object layout, so it is refused
+/// before any object is accessed.
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn PyInit__native() -> *mut ffi::PyObject {
     // SAFETY: the interpreter calls this function with itself attached. Its version is a constant text, and its exception

@@ -1,4 +1,4 @@
-//! Processes that scripts make by forking: they are copies that must never touch the run.
+//! Processes that scripts fork: copies that must never access the run.
 
 use crate::handle::Handle;
 use crate::{current, process_output};
@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rafcon_engine::{Returned, ScriptResult};
 
-/// Lets every forked copy know what it is.
+/// Registers a handler that marks forked processes.
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let options = PyDict::new(module.py());
     options.set_item("after_in_child", module.getattr("after_fork_in_child")?)?;
@@ -27,8 +27,8 @@ pub(crate) fn after_fork_in_child(py: Python<'_>) -> PyResult<()> {
     open.into_iter().try_for_each(|open| close.call1((open,)).map(drop))
 }
 
-/// Ends a copy whose script has returned, after its threads: the state machine lives elsewhere. As Python does it for a child of
-/// `multiprocessing`, nothing is cleaned up that belongs to the parent.
+/// Ends a fork whose script has returned, after its threads: the state machine runs in the parent. As in Python's
+/// `multiprocessing`, objects of the parent are not cleaned up.
 pub(crate) fn end(py: Python<'_>, result: &ScriptResult<Handle>) -> ! {
     let has_failed = result.returned == Returned::Raised;
     let error = result.error.as_ref().filter(|_| has_failed).map(|error| error.bind(py));

@@ -42,7 +42,7 @@ fn log_level(level: i64) -> LogLevel {
     }
 }
 
-/// The number of the place whose script runs on this thread; -1 if none does.
+/// Number of the place whose script runs on this thread; -1 without one.
 #[pyfunction]
 pub(crate) fn current_path() -> i64 {
     thread::current_path().map_or(-1, |path| i64::from(path.0))

@@ -1,4 +1,4 @@
-//! The global variables, which live in Python, as the engine and the journal see them.
+//! The global variables, which Python stores, for the engine and the journal.
 
 use crate::handle::Handle;
 use crate::runtime::Runtime;
@@ -24,7 +24,7 @@ impl Globals<Handle> for PythonGlobals {
     }
 }
 
-/// The engine is locked meanwhile, so the value is kept as it was when the variable was set.
+/// The engine is locked during this call, so the value is kept as it was when the variable was set.
 fn resolve(py: Python<'_>, name: &str) -> PyResult<Option<Handle>> {
     type Found<'py> = (bool, Bound<'py, PyAny>, Option<Bound<'py, Kept>>);
     let answer = Runtime::get(py)?.resolve_global.bind(py).call1((name,))?;
@@ -35,13 +35,13 @@ fn resolve(py: Python<'_>, name: &str) -> PyResult<Option<Handle>> {
     }))
 }
 
-/// Puts a variable back as it was kept.
+/// Restores a variable from its kept value.
 pub(crate) fn restore(py: Python<'_>, name: &str, value: &Handle) -> Result<(), ValueError> {
     let put = || Runtime::get(py)?.restore_global.bind(py).call1((name, value.bind(py)));
     put().map(drop).map_err(|error| error.value(py).to_string().into())
 }
 
-/// Keeps every change of a variable from now on.
+/// Starts keeping the changes of variables.
 pub(crate) fn keep(py: Python<'_>, keeper: &ValueSerializer) -> PyResult<()> {
     if keeper.keeps() {
         let journal = Journal { keeper: keeper.clone() };
@@ -50,7 +50,7 @@ pub(crate) fn keep(py: Python<'_>, keeper: &ValueSerializer) -> PyResult<()> {
     Ok(())
 }
 
-/// The same for one run of several in this process, of which the latest may keep nothing.
+/// Starts or stops keeping the changes of variables, for one of several runs in this process.
 pub(crate) fn keep_embedded(py: Python<'_>, keeper: &ValueSerializer) -> PyResult<()> {
     let journal = keeper.keeps().then(|| Journal { keeper: keeper.clone() });
     Runtime::get(py)?.keep_globals.call1(py, (journal,))?;
@@ -67,7 +67,7 @@ struct Kept {
     variable: Handle,
 }
 
-/// The journal as the global variables see it.
+/// The journal for the global variables.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 struct Journal {
@@ -92,7 +92,7 @@ impl Journal {
         current::driver().is_ok()
     }
 
-    /// A variable got a value, or was removed.
+    /// Records the new value of a variable, or its removal.
     #[expect(clippy::unused_self, reason = "Python asks the journal")]
     fn write(&self, py: Python<'_>, name: &str, kept: Option<&Bound<'_, Kept>>) -> PyResult<()> {
         let driver = current::driver()?;

@@ -17,14 +17,14 @@ static OTHERS_FILLED: AtomicBool = AtomicBool::new(false);
 /// Keeps an object until the next [`clear`].
 pub(crate) fn bury(object: Py<PyAny>) {
     let mut object = Some(object);
-    // A thread that is ending has no place of its own any more.
+    // The storage of an ending thread is already destroyed.
     let kept = OWN.try_with(|own| own.borrow_mut().extend(object.take()));
     if kept.is_err() {
         hand_over(object);
     }
 }
 
-/// Lets everything go that this thread, or a thread outside the interpreter, has dropped. No lock may be held.
+/// Releases all objects that this thread, or a thread outside the interpreter, has dropped. No lock may be held.
 pub(crate) fn clear(_py: Python<'_>) {
     while let Some(object) = OWN.with(|own| own.borrow_mut().pop()) {
         drop(object);
@@ -39,7 +39,7 @@ pub(crate) fn clear(_py: Python<'_>) {
     }
 }
 
-/// Leaves what this thread has dropped to threads inside the interpreter.
+/// Passes the objects that this thread has dropped to threads inside the interpreter.
 pub(crate) fn leave_to_others() {
     hand_over(OWN.take());
 }

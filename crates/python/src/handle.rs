@@ -1,5 +1,4 @@
-//! Values as the engine holds them: Python objects that can be passed on, asked for their type and dropped without the
-//! interpreter.
+//! Values in the engine: Python objects that can be passed on, type-checked and dropped without the interpreter.
 
 use crate::class::{self, Class};
 use crate::graveyard;
@@ -20,12 +19,12 @@ use std::sync::{Arc, OnceLock};
 /// Type name of the placeholder for a lost value. No class has a name with spaces.
 const LOST: &str = "a value that was lost";
 
-/// A Python object, or `None`. Cloning counts a reference of our own, never Python's.
+/// A Python object, or `None`. Cloning increments our own reference count, never Python's.
 #[derive(Clone, Default)]
 pub(crate) struct Handle(Option<Arc<Object>>);
 
 struct Object {
-    /// There until it is dropped.
+    /// Present until it is dropped.
     python: Option<Py<PyAny>>,
     kind: Kind,
     saved: Saved,
@@ -33,9 +32,9 @@ struct Object {
 
 /// Form in which a value is kept.
 enum Saved {
-    /// In the events that name it.
+    /// Kept in the events that name it.
     Plain(Kept),
-    /// By number; copies of one value share it.
+    /// Kept by number; copies of one value share it.
     Stored(Arc<KeptValue>),
     /// Not kept. The placeholder is made when an event names the value.
     Not(OnceLock<Box<KeptValue>>),
@@ -65,7 +64,7 @@ impl Handle {
         })
     }
 
-    /// A handle whose value is kept. May run code of the user: never called with the engine locked.
+    /// A handle whose value is kept. May run user code: never called with the engine locked.
     pub(crate) fn kept(object: Bound<'_, PyAny>, keeper: &ValueSerializer) -> Self {
         Self::make(object, |object, kind| match plain(object, kind) {
             Some(kept) => Saved::Plain(kept),
@@ -74,7 +73,7 @@ impl Handle {
         })
     }
 
-    /// A handle whose value is shown as itself and kept as the pickle of `carrier`, which holds it.
+    /// A handle whose value is shown as `object`, and kept as the pickle of `carrier`, which contains it.
     pub(crate) fn carried(
         object: Bound<'_, PyAny>,
         carrier: &Bound<'_, PyAny>,
@@ -85,7 +84,7 @@ impl Handle {
         Self::restored(object, kept)
     }
 
-    /// A handle for what was made again of `stored`.
+    /// A handle for a value restored from `kept`.
     pub(crate) fn restored(object: Bound<'_, PyAny>, kept: Stored) -> Self {
         Self::make(object, |_, _| stored(kept))
     }

@@ -1,7 +1,7 @@
 //! CPython as a host of RAFCON's scripts: the extension module `rafcon._native`.
 //!
-//! Knows Python objects, script states and the Python package `rafcon`. Knows nothing of servers, nor what a run decides:
-//! that is the engine's.
+//! Knows Python objects, script states and the Python package `rafcon`. Knows nothing of servers, or of the decisions of a
+//! run, which are the engine's.
 
 mod array;
 mod build;

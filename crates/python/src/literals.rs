@@ -11,7 +11,7 @@ use rafcon_model::{Conversion, DataType, Value, convert, convert_runtime_value, 
 use rafcon_runner::ValueError;
 use smol_str::SmolStr;
 
-/// Makes Python objects of the values in files; text that only Python can read is read by it.
+/// Converts values of files to Python objects. Python itself parses texts that only it can read.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PythonLiterals;
 
@@ -58,8 +58,8 @@ fn by_python<'py>(
     Runtime::get(py)?.convert.bind(py).call1((object(py, value)?, name.as_str()))
 }
 
-/// The Python object for a value that a client sends, as `docs/protocol.md` encodes values. Imports nothing: what names a class
-/// that is no plain data is an error.
+/// The Python object for a value from a client, encoded as in `docs/protocol.md`. Imports nothing: a class other than plain
+/// data is an error.
 pub(crate) fn from_json(json: &serde_json::Value) -> Result<Handle, ValueError> {
     Python::attach(|py| {
         let value = Runtime::get(py)

@@ -1,4 +1,4 @@
-//! Fresh modules and calls, by the few functions of CPython's stable interface that are the shortest way.
+//! Fresh modules and function calls, through the fastest functions of CPython's stable interface.
 #![expect(
     unsafe_code,
     reason = "PyO3 reaches these functions only by a detour that costs a third of a script's call"
@@ -32,7 +32,7 @@ pub(crate) fn run_body<'py>(
     result.map(|_none| globals)
 }
 
-/// Room for `script` and any number.
+/// Buffer size for `script` and any number.
 const NAME_BYTES: usize = 26;
 
 /// `script` and the number.

@@ -1,4 +1,4 @@
-//! The pure-Python package `rafcon`, carried inside the extension, and the importer that serves it first of all.
+//! The pure-Python package `rafcon`, embedded in the extension, and its importer, which takes precedence over all others.
 
 use pyo3::exceptions::{PyImportError, PySyntaxError};
 use pyo3::prelude::*;
@@ -75,7 +75,7 @@ impl Importer {
         let wants_none: bool = py.import("sys")?.getattr("dont_write_bytecode")?.extract()?;
         if let Some(cache) = self.cache.as_ref().filter(|_| !wants_none) {
             let bytes = marshal.call_method1("dumps", (&code,))?;
-            // Without it, the next start takes longer.
+            // On failure, the next start takes longer.
             cache.write(name, bytes.cast::<PyBytes>()?.as_bytes()).unwrap_or_default();
         }
         Ok(code)
@@ -87,7 +87,7 @@ impl Importer {
     }
 }
 
-/// Puts the package before any other of its name.
+/// Gives the package precedence over others of its name.
 pub(crate) fn install(py: Python<'_>) -> PyResult<()> {
     let path = py.import("sys")?.getattr("meta_path")?;
     let cache = CodeCache::open(&version(py)?);

@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use rafcon_protocol::LogLevel;
 use rafcon_runner::Keep;
 
-/// Writes the persistent variables of the state at `seat` down, if they are not what they were.
+/// Keeps the persistent variables of the state at `seat`, if they have changed.
 pub(crate) fn keep(py: Python<'_>, seat: &StateSlot, keeper: &ValueSerializer) {
     if current::is_forked() {
         return;

@@ -1,4 +1,4 @@
-//! Plans for Python code. Knows how to wait without the interpreter; what a plan is and how engines run knows the supervisor.
+//! Planning for Python code. Knows how to wait without the interpreter; the supervisor knows plans and engines.
 
 use crate::build_files::LibraryRoots;
 use parking_lot::{Condvar, Mutex};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Events that nobody has asked for yet.
+/// Events that have not been requested yet.
 #[derive(Debug, Default)]
 struct Events {
     lines: Mutex<VecDeque<String>>,
@@ -28,7 +28,7 @@ impl Events {
     }
 }
 
-/// `rafcon._native.Planning`: an engine that plans on a thread of its own until it is done, cancelled or dropped.
+/// `rafcon._native.Planning`: an engine that plans on its own thread until it is done, cancelled or dropped.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 pub(crate) struct Planning {
@@ -38,7 +38,7 @@ pub(crate) struct Planning {
 
 #[pymethods]
 impl Planning {
-    /// Begins. The request is JSON, as of `POST /plans`; `python` is the interpreter that knows other engines.
+    /// Starts planning. The request is JSON, as for `POST /plans`; `python` is the interpreter for other engines.
     #[new]
     fn new(request: &str, roots: &LibraryRoots, python: PathBuf) -> PyResult<Self> {
         let request: MakePlan = serde_json::from_str(request)
@@ -51,7 +51,7 @@ impl Planning {
         Ok(planning)
     }
 
-    /// The next event as JSON, or None if none comes within these seconds.
+    /// The next event as JSON; None if none arrives within these seconds.
     fn next(&self, py: Python<'_>, seconds: f64) -> Option<String> {
         let patience = Duration::try_from_secs_f64(seconds).unwrap_or_default();
         py.detach(|| {
@@ -88,7 +88,7 @@ fn run(
     events.tell(&last);
 }
 
-/// `rafcon._native.save_plan`: writes the machine of a plan, which is JSON, to a folder.
+/// `rafcon._native.save_plan`: writes the machine of a plan, given as JSON, to a folder.
 #[pyfunction]
 pub(crate) fn save_plan(
     py: Python<'_>,

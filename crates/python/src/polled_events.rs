@@ -7,8 +7,8 @@ use rafcon_protocol::{Answer, Breakpoint, Command, Envelope, Event, Scope, Unatt
 use rafcon_runner::PastEvent;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Carries a command out; an error with the reason if it cannot be done now. `path` and `number` (of an event, or the id of a
-/// breakpoint) are for those that need one.
+/// Executes a command; an error with the reason if it is refused. `path` and `number` (of an event, or the id of a
+/// breakpoint) are used by the commands that need them.
 #[pyfunction]
 #[pyo3(signature = (name, path=None, number=0))]
 pub(crate) fn command(
@@ -31,7 +31,7 @@ pub(crate) fn command(
     }
 }
 
-/// The state whose script gives the command.
+/// The state whose script sends the command.
 fn author() -> String {
     let path = thread::current_path();
     let place = path.and_then(|path| current::driver().ok()?.places().get(path).cloned());
@@ -62,7 +62,7 @@ fn named(name: &str, path: String, number: u64) -> PyResult<Command> {
     })
 }
 
-/// Holds the whole run before a state, as the breakpoints of programs do.
+/// A breakpoint that holds the whole run before a state, as those of programs do.
 fn breakpoint(id: u64, path: String) -> Breakpoint {
     Breakpoint {
         id,
@@ -77,10 +77,10 @@ fn breakpoint(id: u64, path: String) -> Breakpoint {
     }
 }
 
-/// Number, time (s since 1970), path, name and id of the outcome (none: it was entered), values as JSON, whether it undoes.
+/// Number, time (s since 1970), path, name and id of the outcome (none for an entry), values as JSON, flag for a step back.
 type PolledEvent = (u64, f64, String, Option<(i64, String)>, String, bool);
 
-/// The states that were entered and left, oldest first.
+/// The entries and exits of states, oldest first.
 #[pyfunction]
 pub(crate) fn past(py: Python<'_>) -> PyResult<Vec<PolledEvent>> {
     let driver = current::driver()?;

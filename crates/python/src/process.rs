@@ -1,4 +1,4 @@
-//! `rafcon._native.main`: this process becomes a runner.
+//! `rafcon._native.main`: turns this process into a runner.
 
 use crate::handle::Handle;
 use crate::literals::{PythonLiterals, from_json};
@@ -16,10 +16,10 @@ use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Timeout of Python's own end, from the end of the run.
+/// Timeout of Python's shutdown after the end of the run.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Python before it knows its machine.
+/// Python before its machine is known.
 #[derive(Debug, Default)]
 pub(crate) struct PythonHost {
     literals: PythonLiterals,
@@ -28,7 +28,7 @@ pub(crate) struct PythonHost {
 }
 
 impl PythonHost {
-    /// Hosts a machine that the program has built (or a run that is resumed), with inputs of its root.
+    /// Hosts a machine that the program has built (or a resumed run), with the inputs of its root.
     pub(crate) fn embedded(built: Option<Built>, inputs: Vec<(SmolStr, Handle)>) -> Self {
         Self { literals: PythonLiterals, built, inputs }
     }
@@ -95,7 +95,7 @@ impl Host for PythonHost {
     }
 }
 
-/// Runs what the viewer at the other end of the socket `fd` asks for; returns the process's exit code.
+/// Runs the machine for the viewer at the other end of the socket `fd`; returns the process's exit code.
 #[pyfunction]
 pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     let stream = adopt(py, fd)?;
@@ -119,17 +119,17 @@ pub(crate) fn main(py: Python<'_>, fd: RawFd) -> PyResult<i32> {
     Ok(code)
 }
 
-/// Ends the process after a timeout: functions of `atexit` and threads of libraries may run for ever.
+/// Ends the process after a timeout: functions of `atexit` and threads of libraries may run forever.
 fn end_soon(code: i32) {
     let wait = move || {
         std::thread::park_timeout(EXIT_TIMEOUT);
         signal_hook::low_level::exit(code);
     };
-    // Without the thread the process ends when Python does.
+    // Without the thread the process ends together with Python.
     drop(std::thread::Builder::new().name("exit".to_owned()).spawn(wait));
 }
 
-/// Environment variable by which a starter leaves standard output and error to the runner until the end of the run.
+/// Environment variable of a starter that leaves standard output and error to the runner until the end of the run.
 const READS_OUTPUT: &str = "RAFCON_READS_OUTPUT";
 
 fn read_output(py: Python<'_>) -> PyResult<()> {
@@ -144,14 +144,14 @@ fn read_output(py: Python<'_>) -> PyResult<()> {
     Ok(())
 }
 
-/// Serves the package `rafcon` to a program that has loaded this module by itself and is no runner.
+/// Provides the package `rafcon` to a program that has loaded this module itself and is no runner.
 #[pyfunction]
 pub(crate) fn serve_package(py: Python<'_>) -> PyResult<()> {
     package::install(py)
 }
 
-/// A signal ends the process, whatever threads of scripts still do. Python's own handler would raise `KeyboardInterrupt` in
-/// the thread that waits for the run.
+/// Lets signals end the process, regardless of the threads of scripts. Python's own handler would raise `KeyboardInterrupt`
+/// in the thread that waits for the run.
 pub(crate) fn default_signals(py: Python<'_>) -> PyResult<()> {
     let signal = py.import("signal")?;
     let default = signal.getattr("SIG_DFL")?;
@@ -174,7 +174,7 @@ fn exit_code(end: Result<(), ServeError>) -> i32 {
     }
 }
 
-/// Takes the socket over, and keeps it from programs that scripts start.
+/// Takes ownership of the socket, and hides it from programs that scripts start.
 #[expect(unsafe_code, reason = "an inherited descriptor has no safe door")]
 pub(crate) fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
     let os = py.import("os")?;
@@ -184,7 +184,7 @@ pub(crate) fn adopt(py: Python<'_>, fd: RawFd) -> PyResult<UnixStream> {
     Ok(UnixStream::from(unsafe { OwnedFd::from_raw_fd(fd) }))
 }
 
-/// The compiled module as Python code may import it.
+/// Adds the content of the compiled module for imports.
 pub(crate) fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("VERSION", env!("CARGO_PKG_VERSION"))?;
     module.add("PROTOCOL", rafcon_protocol::VERSION)?;

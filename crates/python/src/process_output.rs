@@ -78,14 +78,14 @@ pub(crate) fn forget() -> Vec<RawFd> {
     DESCRIPTORS.try_lock().map(|open| open.clone()).unwrap_or_default()
 }
 
-/// The script of the state at `path` begins.
+/// Records the start of the script of the state at `path`.
 pub(crate) fn script_begins(path: PathId) {
     if IS_READ.load(Ordering::Relaxed) {
         SCRIPTS.lock().push(path);
     }
 }
 
-/// The script of the state at `path` has ended: its output is logged before its end is.
+/// Records the end of the script of the state at `path`, after its output was logged.
 pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     if !IS_READ.load(Ordering::Relaxed) {
         return;
@@ -104,7 +104,7 @@ pub(crate) fn script_ended(py: Python<'_>, path: PathId) {
     };
     match SOURCES.try_lock() {
         Some(mut sources) => drain(&mut sources),
-        // The reader may wait for room in the journal, so nobody waits for it inside the interpreter.
+        // The reader may wait for capacity of the journal, so wait for it outside the interpreter.
         None => thread::leave(py, || drain(&mut SOURCES.lock())),
     }
     let mut scripts = SCRIPTS.lock();
@@ -131,7 +131,7 @@ fn sole_script() -> Option<PathId> {
     }
 }
 
-/// Logs output whenever there is some.
+/// Logs output as it arrives.
 fn follow(wakers: &[OwnedFd]) {
     loop {
         let mut polled: Vec<_> =
@@ -148,7 +148,7 @@ fn follow(wakers: &[OwnedFd]) {
             return;
         }
         if has_little() {
-            // Without descriptors this is a wait.
+            // A poll without descriptors only waits.
             poll(&mut [], Some(&DELAY)).unwrap_or_default();
         }
         if !log_news() {
@@ -317,14 +317,14 @@ fn growth_of(path: &str) -> io::Result<OwnedFd> {
     Ok(growth)
 }
 
-/// A line in UTF-8; of a progress bar its last drawing.
+/// A line in UTF-8; for a progress bar, its last state.
 fn text(line: &[u8]) -> String {
     let line = String::from_utf8_lossy(line);
     let drawing = line.rsplit('\r').find(|drawing| !drawing.trim().is_empty());
     drawing.unwrap_or_default().to_owned()
 }
 
-/// After the run there is nothing to log to.
+/// Logs a line; after the run no log exists.
 fn log(path: Option<PathId>, stream: Stream, message: String) {
     let line = Line { level: LogLevel::Info, stream, message };
     functions::note(path, line).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `rafcon._native.ask`: a script asks people.
+//! `rafcon._native.ask`: questions of scripts to people.
 
 use crate::status::place;
 use crate::{current, thread};
@@ -8,8 +8,8 @@ use rafcon_protocol::{Closing, Form};
 use rafcon_runner::Asked;
 use serde_json::Value;
 
-/// Asks, and waits for the end of the question: how it ended, and the answer as JSON if there is one. `form` and `default` are
-/// JSON as the protocol has it. The times are those to answer, and those that the ground may be silent, in ms.
+/// Asks a question and waits for its end. Returns the kind of end, and the answer as JSON if one was given. `form` and
+/// `default` are JSON as in the protocol. The times are the timeouts for an answer and for contact with the ground, in ms.
 #[pyfunction]
 #[pyo3(signature = (message, form, times_ms, default))]
 pub(crate) fn ask(

@@ -1,4 +1,4 @@
-//! Values that were kept, made again. What was not kept is an error that names the value: no placeholder reaches a script.
+//! Restoration of kept values. A value that was not kept is an error that names it: no placeholder reaches a script.
 
 use crate::handle::Handle;
 use crate::runtime::Runtime;
@@ -26,7 +26,7 @@ pub(crate) fn plain(py: Python<'_>, kept: &Kept) -> Result<Handle, ValueError> {
     Ok(Handle::new(object))
 }
 
-/// A value that was kept by number; `values` is the folder of large ones.
+/// A value kept by number; `values` is the folder of large values.
 pub(crate) fn restore(
     py: Python<'_>,
     stored: &Stored,
@@ -52,7 +52,7 @@ pub(crate) fn restore(
     }
 }
 
-/// The object of a view that shows all of it.
+/// The object of a complete view.
 pub(crate) fn from_view<'py>(py: Python<'py>, view: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match view {
         Value::Null => py.None().into_bound(py),

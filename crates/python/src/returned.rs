@@ -11,7 +11,7 @@ const WITHOUT_ASYNC: &str = "write `def execute`, and run coroutines with `async
 /// Maximum length of a value's own text in messages.
 const SHOWN_MAX: usize = 200;
 
-/// Reads a return value. The error is what the value's own comparison raised, or that it cannot be a key.
+/// Reads a return value. The error is the one that its comparison raised, or that it is not hashable.
 pub(crate) fn returned(value: &Bound<'_, PyAny>, outcomes: &[Outcome]) -> PyResult<Returned> {
     if value.is_none() {
         return Ok(Returned::Other("None".into()));
@@ -56,7 +56,7 @@ fn other(value: &Bound<'_, PyAny>) -> Returned {
     if !is_coroutine(value) {
         return Returned::Other(shown.into());
     }
-    // A coroutine that is closed does not warn that nobody awaited it.
+    // A closed coroutine does not warn that it was never awaited.
     drop(value.call_method0("close"));
     Returned::Other(format_smolstr!("{shown} (`execute` is `async`; {WITHOUT_ASYNC})"))
 }

@@ -1,4 +1,4 @@
-//! The script of one state: compiled once, its module's body run at each entry.
+//! The script of one state. It is compiled once; its module's body runs at each entry.
 
 use crate::module;
 use crate::runtime::Runtime;
@@ -31,14 +31,14 @@ pub(crate) struct Script {
     pub(crate) has_error_output: bool,
     /// The outcomes of the state.
     pub(crate) outcomes: Box<[Outcome]>,
-    /// The state that it was made for.
+    /// The state for which it was prepared.
     state: Arc<State>,
     code: OnceLock<Py<PyCode>>,
-    /// The built-in names that it finds.
+    /// The built-in names for the script.
     builtins: OnceLock<Py<PyAny>>,
     /// The module's dictionary, if its body runs only once.
     kept: Option<OnceLock<Py<PyDict>>>,
-    /// Ports whose value could not be copied, and were reported.
+    /// Ports whose value could not be copied, as already reported.
     reported: Mutex<BTreeSet<SmolStr>>,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct CompileContext {
 }
 
 impl Script {
-    /// Makes ready what is known before the script runs.
+    /// Prepares a script.
     pub(crate) fn new(
         py: Python<'_>,
         program: &Program<Handle>,
@@ -156,7 +156,7 @@ fn names(py: Python<'_>, ports: &[Port]) -> Box<[Py<PyString>]> {
     ports.iter().map(|port| PyString::intern(py, &port.name).unbind()).collect()
 }
 
-/// Finds out what the named types of ports are, so that type checks need no Python.
+/// Resolves the named types of ports, so that type checks need no Python.
 fn declare_types(py: Python<'_>, ports: &[Port]) {
     for port in ports {
         if let DataType::Named(name) = &port.data_type {

@@ -1,4 +1,4 @@
-//! The host of Python scripts: the port of the runner, filled by an interpreter.
+//! The host of Python scripts: implements the runner's port with an interpreter.
 
 use crate::globals::{self, PythonGlobals};
 use crate::handle::Handle;
@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Python as the host of one machine's scripts.
 #[derive(Debug)]
 pub(crate) struct PythonScripts {
-    /// The machine as it was at the start.
+    /// The machine at the start.
     pub(crate) machine: Machine,
     pub(crate) files: StateFiles,
     pub(crate) config: Config,
@@ -209,7 +209,7 @@ impl Scripts for PythonScripts {
     }
 }
 
-/// The answer for a script that could not begin.
+/// The result of a script that could not start.
 pub(crate) fn failed(py: Python<'_>, error: PyErr) -> ScriptResult<Handle> {
     let error = error.into_value(py).into_bound(py).into_any();
     let error = Handle::kept(error, &ValueSerializer::before_the_run());

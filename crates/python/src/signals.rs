@@ -1,4 +1,4 @@
-//! `rafcon._native.Signals`: the flags of a state, as scripts see them.
+//! `rafcon._native.Signals`: the flags of a state, for scripts.
 
 use crate::{current, thread};
 use pyo3::prelude::*;
@@ -69,7 +69,7 @@ impl Signals {
         self.set(NUDGED, on);
     }
 
-    /// Waits without the interpreter until any flag of `mask` is set; false if `timeout` seconds passed before that.
+    /// Waits without the interpreter until any flag of `mask` is set; false if `timeout` seconds passed first.
     fn wait(&self, py: Python<'_>, mask: u8, timeout: Option<f64>) -> bool {
         let signals = &self.place.signals;
         if current::is_forked() || signals.any(mask) {
@@ -80,7 +80,7 @@ impl Signals {
     }
 }
 
-/// Seconds as a duration: none for what is negative or no number, the longest one for what is too long.
+/// Seconds as a duration: zero for a negative or invalid number, the maximum for a number that is too large.
 fn duration(seconds: f64) -> Duration {
     if seconds > 0.0 {
         Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The seats of a run, and the scripts that they share.
+/// The slots of a run, and the scripts that they share.
 #[derive(Debug)]
 pub(crate) struct StateObjects {
     program: RwLock<Arc<Program<Handle>>>,
@@ -25,7 +25,7 @@ pub(crate) struct StateObjects {
     scripts: RwLock<BTreeMap<NodeId, Arc<Script>>>,
     codes: Arc<Codes>,
     seats: StateTable,
-    /// By path: what states had kept when the run was resumed, and have not asked for yet.
+    /// Persistent values from before the restart that states have not requested yet, by path.
     persistent: Mutex<BTreeMap<String, Handle>>,
 }
 
@@ -78,7 +78,7 @@ impl PythonScripts {
         }
     }
 
-    /// Puts an object that was made elsewhere on a place where no one sits yet.
+    /// Assigns an object that was made elsewhere to a place without an object.
     pub(crate) fn seat_with(&self, object: &Bound<'_, PyAny>, place: &Arc<Place>) -> PyResult<()> {
         let py = object.py();
         let signals = Py::new(py, Signals::new(Arc::clone(place)))?;
@@ -100,7 +100,7 @@ impl PythonScripts {
         Ok(self.seating.seats.insert(seat))
     }
 
-    /// The script of the state at `seat` as the machine has it now.
+    /// The current script of the state at `seat`.
     pub(crate) fn script_of(&self, py: Python<'_>, seat: &StateSlot) -> Arc<Script> {
         let generation = self.seating.generation.load(Ordering::Acquire);
         if let Some(script) = seat.script(generation) {

@@ -10,17 +10,17 @@ use rafcon_engine::PathId;
 use rafcon_runner::Place;
 use std::sync::Arc;
 
-/// One place.
+/// Data of one place.
 #[derive(Debug)]
 pub(crate) struct StateSlot {
-    /// `self`, with whatever scripts put on it.
+    /// `self`, with all attributes that scripts set.
     pub(crate) object: Py<PyAny>,
     /// The place in the run.
     pub(crate) place: Arc<Place>,
     /// Script of the current state, with the generation of the machine for which it was found.
     script: Mutex<Option<(u64, Arc<Script>)>>,
     data: Mutex<Data>,
-    /// `self.persistent_variables` as it was kept last.
+    /// `self.persistent_variables` as last kept.
     persistent: Mutex<Option<Handle>>,
 }
 
@@ -42,14 +42,14 @@ impl StateSlot {
         }
     }
 
-    /// The script, if it is known for this generation of the machine.
+    /// The script, if it is cached for this generation of the machine.
     pub(crate) fn script(&self, generation: u64) -> Option<Arc<Script>> {
         let script = self.script.lock();
         let known = script.as_ref().filter(|(known, _)| *known == generation);
         known.map(|(_, script)| Arc::clone(script))
     }
 
-    /// From now on this is the script.
+    /// Caches the script.
     pub(crate) fn set_script(&self, generation: u64, script: &Arc<Script>) {
         let before = self.script.lock().replace((generation, Arc::clone(script)));
         drop(before);
@@ -66,7 +66,7 @@ impl StateSlot {
         drop(before);
     }
 
-    /// A script begins with these.
+    /// Stores the inputs and outputs of a script that begins.
     pub(crate) fn begin(&self, inputs: &Bound<'_, PyDict>, outputs: &Bound<'_, PyDict>) {
         let new =
             Data { inputs: Some(inputs.clone().unbind()), outputs: Some(outputs.clone().unbind()) };
@@ -85,7 +85,7 @@ impl StateSlot {
     }
 }
 
-/// All seats, by the number of the place.
+/// All slots, by the number of the place.
 #[derive(Debug, Default)]
 pub(crate) struct StateTable(RwLock<Vec<Option<Arc<StateSlot>>>>);
 

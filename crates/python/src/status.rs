@@ -1,4 +1,4 @@
-//! Live data of a place: what a state holds and how it ended, for scripts that ask.
+//! Live data of a place for scripts: the values of a state, and its end.
 
 use crate::handle::Handle;
 use crate::{current, thread};
@@ -45,7 +45,7 @@ pub(crate) fn status(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
     Ok(status)
 }
 
-/// `rafcon._native.run_status`: what the run as a whole does.
+/// `rafcon._native.run_status`: activity of the whole run.
 #[pyfunction]
 pub(crate) fn run_status(py: Python<'_>) -> PyResult<&'static str> {
     let driver = current::driver()?;
@@ -85,7 +85,7 @@ fn final_outcome(node: &Node<Handle>, place: &Place) -> Option<(i64, String)> {
     Some((outcome.id.0, outcome.name.to_string()))
 }
 
-/// The data of the script that runs or ran there, or of the container or library state.
+/// The data of the script at the place, running or ended, or of the container or library state.
 fn data(
     py: Python<'_>,
     status: &Bound<'_, PyDict>,

@@ -10,7 +10,7 @@ thread_local! {
     static RESOLVING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs `life` inside the interpreter: this thread's Python state lives as long.
+/// Runs `life` inside the interpreter, with a Python thread state for its duration.
 pub(crate) fn inhabit(life: &mut (dyn FnMut() + Send)) {
     Python::attach(|_py| {
         INSIDE.set(true);
@@ -37,7 +37,7 @@ pub(crate) fn leave<T: Send>(py: Python<'_>, wait: impl FnOnce() -> T + Send) ->
     answer
 }
 
-/// Runs `ask`, which never waits inside the interpreter on a thread of the run, on any thread.
+/// Runs `ask` outside the interpreter. On a thread of the run, `ask` itself leaves the interpreter while it waits.
 pub(crate) fn outside<T: Send>(py: Python<'_>, ask: impl FnOnce() -> T + Send) -> T {
     if is_inside() { ask() } else { leave(py, ask) }
 }
@@ -60,7 +60,7 @@ pub(crate) fn at<T>(path: PathId, script: impl FnOnce() -> T) -> T {
     answer
 }
 
-/// Runs `resolve`, which Python does while the engine is locked by this thread.
+/// Runs `resolve` in Python while this thread has locked the engine.
 pub(crate) fn while_engine_waits<T>(resolve: impl FnOnce() -> T) -> T {
     RESOLVING.set(true);
     let answer = resolve();

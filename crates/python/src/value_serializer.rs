@@ -1,6 +1,6 @@
 //! Serialization of values: as a view if that is complete, else as a pickle, else as a placeholder with the reason.
 //!
-//! Runs code of the user, so it must never be called with the engine locked.
+//! Runs user code, so it must never be called with the engine locked.
 
 use crate::runtime::Runtime;
 use crate::view::view;
@@ -20,7 +20,7 @@ const INLINE_MAX: usize = 64 * 1024;
 /// Maximum length, in characters, of the reason why a value cannot be kept.
 const REASON_MAX: usize = 300;
 
-/// Makes values ready for the journal.
+/// Converts values for the journal.
 #[derive(Debug, Clone)]
 pub(crate) struct ValueSerializer {
     /// True if the run keeps values.
@@ -38,7 +38,7 @@ impl ValueSerializer {
         Self { keeps, values }
     }
 
-    /// For values that are made before there is a run.
+    /// A serializer for values made before the run exists.
     pub(crate) fn before_the_run() -> Self {
         Self::new(true, None)
     }
@@ -55,7 +55,7 @@ impl ValueSerializer {
         Stored { view: view.json, type_name, content }
     }
 
-    /// The same with the pickle of another object, which carries what the journal has no room for.
+    /// The stored form of an object, with the pickle of another object that carries additional data.
     pub(crate) fn stored_as(
         &self,
         object: &Bound<'_, PyAny>,
@@ -108,7 +108,7 @@ fn is_script(module: &str) -> bool {
     !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Writes a pickle to the file of its hash. What cannot be written is not kept: the run continues.
+/// Writes a pickle to the file of its hash. On failure the value is not kept, and the run continues.
 fn put(folder: &Path, pickle: &[u8]) -> Content {
     let hash = blake3::hash(pickle).to_hex().to_string();
     match write(folder, &hash, pickle) {

@@ -1,6 +1,6 @@
 //! Views of values for people: bounded JSON, encoded as in `docs/protocol.md`, with a flag for complete views.
 //!
-//! Knows Python's own types. Does not know where a view is kept.
+//! Knows Python's own types. Does not know the storage of views.
 
 use super::array;
 use pyo3::exceptions::PyBaseException;
@@ -12,22 +12,22 @@ use pyo3::types::{
 use rafcon_storage::journal::record::{float, int};
 use serde_json::{Map, Value, json};
 
-/// Values in one view, at most.
+/// Maximum number of values in one view.
 const ITEMS_MAX: usize = 256;
-/// Numbers of an array inside of another value, at most.
+/// Maximum number of array items inside of another value.
 const NESTED_MAX: usize = 64;
 /// Maximum depth of nested values in a view.
 const DEPTH_MAX: usize = 16;
-/// Bytes of one text, at most.
+/// Maximum size of one text, in bytes.
 const TEXT_MAX: usize = 1024;
-/// Characters of an exception's text, at most.
+/// Maximum length of an exception's text, in characters.
 const MESSAGE_MAX: usize = 16 << 10;
 /// Maximum length of a text for a value that has no encoding of its own.
 const SHOWN_MAX: usize = 200;
-/// Objects with one of these keys mean something else than a dictionary.
+/// Keys that give an object a meaning other than a dictionary.
 const SPECIAL: [&str; 8] =
     ["__tuple__", "__set__", "__dict__", "__int__", "__float__", "__exc__", "__type__", "__repr__"];
-/// Bits of an integer that is written out, at most: about 1024 digits.
+/// Maximum number of bits of an integer that is written out: about 1024 digits.
 const INT_BITS_MAX: u64 = 3400;
 
 /// A view of one value.
@@ -38,7 +38,7 @@ pub(crate) struct View {
     pub(crate) whole: bool,
 }
 
-/// The view of any object. May run code of the user, such as a `__repr__`.
+/// The view of any object. May run user code, such as a `__repr__`.
 pub(crate) fn view(object: &Bound<'_, PyAny>) -> View {
     let mut looking = Looking { left: ITEMS_MAX, seen: Vec::new(), whole: true };
     let json = looking.at(object, 0);
@@ -142,7 +142,7 @@ impl Looking {
         if depth == 0 { ITEMS_MAX } else { (self.left / 2).min(NESTED_MAX) }
     }
 
-    /// The numbers taken of an array, if they are Python's own.
+    /// The sampled items of an array, if they are Python numbers.
     fn numbers(&mut self, sample: array::Sample<'_>, members: &mut Map<String, Value>) {
         let is_number = |item: &Bound<'_, PyAny>| {
             item.is_exact_instance_of::<PyFloat>()
@@ -248,7 +248,7 @@ fn other(object: &Bound<'_, PyAny>) -> Value {
     }
 }
 
-/// The first bytes of `bytes` or a `bytearray`, so that not all of them are written out.
+/// The first bytes of `bytes` or a `bytearray`, so that a long value is not written out.
 fn leading_bytes<'py>(object: &Bound<'py, PyAny>) -> Option<Bound<'py, PyAny>> {
     let is_bytes =
         object.is_exact_instance_of::<PyBytes>() || object.is_exact_instance_of::<PyByteArray>();
@@ -290,7 +290,7 @@ fn named(object: &Bound<'_, PyAny>, text: &str) -> Value {
     shown
 }
 
-/// Adds the number of items, of which not all are shown.
+/// Adds the number of items to a truncated view.
 fn with_length(object: &Bound<'_, PyAny>, mut shown: Value) -> Value {
     if let (Value::Object(members), Ok(count)) = (&mut shown, object.len()) {
         members.insert("__len__".to_owned(), count.into());
@@ -303,7 +303,7 @@ fn class_name(object: &Bound<'_, PyAny>) -> String {
     name.unwrap_or_default()
 }
 
-/// The text of an exception, which a script makes as long as it likes.
+/// The text of an exception, truncated because scripts set its length.
 fn message(exception: &Bound<'_, PyAny>) -> String {
     let text = words(exception, exception.str());
     match text.char_indices().nth(MESSAGE_MAX) {
@@ -312,7 +312,7 @@ fn message(exception: &Bound<'_, PyAny>) -> String {
     }
 }
 
-/// The text that an object has for itself, which may fail.
+/// An object's own text, which may fail.
 fn words(object: &Bound<'_, PyAny>, said: PyResult<Bound<'_, PyString>>) -> String {
     let said = said.map(|text| text.to_string_lossy().into_owned());
     said.unwrap_or_else(|_failing| format!("<{} that cannot be shown>", class_name(object)))

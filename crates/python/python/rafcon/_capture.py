@@ -11,7 +11,7 @@ import threading
 
 from rafcon._bridge import native
 
-#: Longer entries are cut.
+#: Maximum length of an entry; longer ones are truncated.
 _ENTRY_MAX = 64 * 1024
 _INFO, _WARNING = 20, 30
 _TRACEBACK = "Traceback (most recent call last)"

@@ -7,9 +7,9 @@ from types import MappingProxyType
 
 from rafcon.core.global_variable_manager import global_variables
 
-#: What is shown of an error.
+#: Maximum length of an error's text.
 _TEXT_MAX = 200
-#: Conditions that are kept compiled.
+#: Maximum number of cached compiled conditions.
 _COMPILED_MAX = 1000
 
 

@@ -32,7 +32,7 @@ def _ask(prompt="", /):
     try:
         return _input(prompt)
     except EOFError:
-        # The debugger takes an EOFError for its command to quit.
+        # The debugger interprets an EOFError as its command to quit.
         is_debugger = sys._getframe(1).f_globals.get("__name__") == "cmd"
         raise (RuntimeError if is_debugger else EOFError)(_ADVICE) from None
 

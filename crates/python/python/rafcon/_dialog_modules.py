@@ -48,7 +48,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         super().exec_module(module)
 
 
-#: Packages that were installed open no dialogs of a run, and are many.
+#: Installed packages, which are numerous and open no dialogs of a run.
 _INSTALLED = tuple({os.path.join(prefix, "lib") + os.sep for prefix in (sys.prefix, sys.base_prefix)})
 
 

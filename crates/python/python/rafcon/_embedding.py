@@ -22,7 +22,7 @@ _LEVELS = {
     "debug": logging.DEBUG,
     "verbose": VERBOSE,
 }
-#: How many names are tried for the folder of a run.
+#: Maximum number of names to try for the folder of a run.
 _TRIES = 100
 
 

@@ -12,7 +12,7 @@ import threading
 from rafcon import _capture, _logging
 from rafcon.core.global_variable_manager import global_variables
 
-#: What the runner listens to.
+#: Signals with handlers of the runner.
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -30,7 +30,7 @@ def install_in_program():
 
 
 def _before():
-    # Until the child has its own answer to signals they wait, or they would reach the runner through its handlers.
+    # Block signals until the child has its own handlers; otherwise they would reach the runner through its handlers.
     _masks.before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
 
 

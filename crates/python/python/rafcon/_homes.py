@@ -136,7 +136,7 @@ class Built:
         self.revision = 0
         #: The state machine, if the topmost state is the root of one.
         self.owner = None
-        #: The running machine that was started from this one last.
+        #: The last running machine started from this one.
         self.run = None
 
     def facts(self, state):

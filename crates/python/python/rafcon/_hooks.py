@@ -13,7 +13,7 @@ from rafcon.utils.log import get_logger
 
 logger = get_logger("plugins")
 
-#: Hooks of the desktop program and of its engine that nothing here calls, with what serves instead.
+#: Hooks of the desktop program and its engine that are never called here, with their replacements.
 _NEVER_CALLED = {
     "main_window_setup": "there is no window; the page shows runs, and other programs follow them through the server",
     "post_state_editor_register_view": "there is no window; the page shows what a state is made of",
@@ -22,7 +22,7 @@ _NEVER_CALLED = {
 }
 
 
-#: An error about functions by which the reference runs states.
+#: Matches an error about functions through which the reference runs states.
 _ENGINE = re.compile(
     r"'(Script|\w*State)' (object )?has no attribute "
     r"'(execute|compiled_module|_?compile_and_load_module|run|start|setup_run|concurrency_queue|thread)'"

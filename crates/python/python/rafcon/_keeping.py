@@ -41,7 +41,7 @@ class Ledger:
     def __init__(self, journal=None):
         self._journal = journal
         self._changes = deque()
-        # Held while the running machine is asked, and by nobody who holds the lock of the variables.
+        # Held during requests to the running machine; never acquired by a holder of the variables' lock.
         self._writing = threading.Lock()
 
     def keep(self, value, by_reference, data_type):

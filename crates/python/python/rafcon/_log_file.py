@@ -46,7 +46,7 @@ class _Entries:
         self._machine = machine
         self._number = self._run = 0
         self._runs = {}
-        # Path of a branch (of a state in a concurrency state) to its last entry; the machine itself is one.
+        # Path of a branch (a state in a concurrency state, or the machine itself) to its last entry.
         self._last = {}
 
     def start(self, timestamp):

@@ -12,7 +12,7 @@ from rafcon._capture import Writer
 from rafcon.utils.log import VERBOSE, get_logger
 
 
-#: Name of the logger of a state to the path of the state: for what threads log that a script has started.
+#: Name of a state's logger to the state's path, for log lines of threads that a script has started.
 owners = {}
 
 

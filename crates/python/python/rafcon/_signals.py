@@ -9,7 +9,7 @@ PAUSED = 2
 STARTED = 4
 NUDGED = 8
 
-#: Waits longer than this many seconds (ten years) have no end.
+#: Seconds (ten years) above which a wait is endless.
 _FOREVER = 3.2e8
 
 

@@ -2,7 +2,7 @@
 
 import traceback
 
-#: How many frames are shown of a long traceback.
+#: Maximum number of shown frames of a traceback.
 _FRAMES_MAX = 40
 
 

@@ -9,18 +9,18 @@ import math
 
 from rafcon._types import resolve_type
 
-#: How deep nested values are shown, and how much of a text representation.
+#: Maximum depth of nested values, and maximum lengths of the texts of objects and exceptions.
 _DEPTH_MAX = 64
 _REPRESENTATION_MAX = 200
 _MESSAGE_MAX = 16 * 1024
-#: A key with more digits stays a text.
+#: Maximum number of digits of a key that becomes an integer; longer ones remain texts.
 _DIGITS_MAX = 18
-#: The largest integer that every JSON reader keeps exactly, and how long the digits of a larger one may be.
+#: Largest integer that every JSON reader keeps exactly, and maximum number of bits of a larger one.
 _EXACT_MAX = 2**53 - 1
 _INT_BITS_MAX = 3400
-#: Objects with one of these keys mean something else than a dictionary.
+#: Objects with one of these keys are not plain dictionaries.
 _TAGS = ("__tuple__", "__set__", "__dict__", "__int__", "__float__", "__exc__", "__type__", "__repr__")
-#: What an object of a file may be without importing anything.
+#: Types of objects in files that need no import.
 _PLAIN_COLLECTIONS = {
     "__builtin__.tuple": tuple,
     "builtins.tuple": tuple,
@@ -29,7 +29,7 @@ _PLAIN_COLLECTIONS = {
 }
 #: Values whose ``__len__`` is their number of items instead of the length of their text.
 _SIZED = (bytes, bytearray, set, frozenset)
-#: The types that a client may name.
+#: Types that a client may name.
 _PLAIN_TYPES = {kind.__name__: kind for kind in (bool, bytes, complex, dict, float, int, list, set, str, tuple, type(None))}
 
 

@@ -35,7 +35,7 @@ class Pressed:
     button: int
     #: The button's label.
     label: str
-    #: Whether nobody answered in time, so that this is the default.
+    #: True if nobody answered in time, so that this is the default.
     timed_out: bool
 
 
@@ -51,7 +51,7 @@ class Text(Pressed):
 class Number(Pressed):
     """The answer of :func:`number`."""
 
-    #: An ``int`` if whole numbers were asked for, else a ``float``.
+    #: An ``int`` if whole numbers were requested, else a ``float``.
     number: float
 
 
@@ -59,7 +59,7 @@ class Number(Pressed):
 class Checks(Pressed):
     """The answer of :func:`checks`."""
 
-    #: One for each box, in their order.
+    #: One value for each box, in order.
     checked: tuple
 
 

@@ -36,7 +36,7 @@ class Config(ObservableConfig):
 
     def __init__(self):
         self._values = dict(DEFAULTS)
-        #: The file that was read last, or None.
+        #: The last file read, or None.
         self._path = None
 
     def load(self, config_file=None, path=None):

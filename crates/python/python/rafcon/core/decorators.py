@@ -3,7 +3,7 @@
 import functools
 import threading
 
-#: How many decorated calls hold the lock of a state machine at this moment.
+#: Number of decorated calls that currently hold the lock of a state machine.
 global_lock_counter = 0
 _counting = threading.Lock()
 

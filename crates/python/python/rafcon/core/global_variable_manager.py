@@ -16,7 +16,7 @@ logger = get_logger(__name__)
 
 _UNTYPED = type(None)
 _KEY_LENGTH = 10
-#: What nobody can change is never copied.
+#: Immutable types, which are never copied.
 _IMMUTABLE = frozenset(
     (int, str, float, bool, type(None), bytes, complex, type, types.FunctionType, types.BuiltinFunctionType)
 )
@@ -45,10 +45,10 @@ class GlobalVariableManager(Observable):
     """
 
     def __init__(self):
-        # Guards the table and the variables. Never held while waiting, copying, or asking the running machine.
+        # Guards the table and the variables. Never held during waits, copies, or requests to the running machine.
         self._lock = threading.RLock()
         self._variables = {}
-        # Name of a locked variable to the calls that wait for it, in the order of their arrival.
+        # Name of a locked variable to the waiting calls, in order of arrival.
         self._queues = {}
         self._ledger = Ledger()
 

@@ -7,10 +7,10 @@ import uuid
 
 from rafcon import _ids
 
-#: How many letters the id of a state has.
+#: Number of letters in the id of a state.
 STATE_ID_LENGTH = 6
 
-#: Tells the ids of this process from those of others.
+#: Distinguishes the ids of this process from those of others.
 experiment_id = str(uuid.uuid4())
 
 _scripts = itertools.count(1)

@@ -4,7 +4,7 @@ import io
 import os
 import tokenize
 
-#: What a new state does.
+#: Script of a new state.
 DEFAULT_SCRIPT = """
 def execute(self, inputs, outputs, gvm):
     self.logger.info("Hello {}".format(self.name))

@@ -8,13 +8,13 @@ from rafcon.core.global_variable_manager import global_variables
 from rafcon.core.library_manager import LibraryManager
 from rafcon.core.state_machine_manager import StateMachineManager
 
-#: The variables that all states share; scripts get it as ``gvm``.
+#: The variables shared by all states; scripts receive it as ``gvm``.
 global_variable_manager = global_variables
 
 #: The state machines of this process.
 state_machine_manager = StateMachineManager()
 
-#: Where libraries are found.
+#: Lookup of libraries.
 library_manager = LibraryManager()
 
 #: Pauses, resumes and stops the machine.
@@ -26,5 +26,5 @@ argument_parser = argparse.ArgumentParser(description="Start RAFCON")
 #: The number of the signal that ends the process, if one does.
 shut_down_signal = None
 
-#: The thread that imported this module first.
+#: The thread that first imported this module.
 thread_identifier = threading.get_ident()

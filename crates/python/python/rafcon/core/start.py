@@ -162,7 +162,7 @@ def start_state_machine(sm, start_state_path=None):
 
 def wait_for_state_machine_finished(state_machine):
     """Waits for the end of the run."""
-    # In pieces, so that the handlers of signals are called meanwhile.
+    # Wait in short intervals, so that signal handlers can run.
     while not state_machine_execution_engine.join(0.5):
         if state_machine_execution_engine.finished_or_stopped():
             return
@@ -247,7 +247,7 @@ def _wait_for_signal():
 def _run_reactor(machine):
     from twisted.internet import reactor
 
-    # Not before the reactor runs: one that is stopped earlier would never end.
+    # Start it only when the reactor runs: a reactor stopped earlier would never end.
     end = threading.Thread(target=stop_reactor_on_state_machine_finish, args=(machine,), daemon=True)
     reactor.callWhenRunning(end.start)
     reactor.run()

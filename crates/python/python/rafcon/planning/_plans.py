@@ -10,7 +10,7 @@ from rafcon._bridge import native
 from rafcon.core.custom_exceptions import StatePreempted
 from rafcon.core.singleton import library_manager
 
-#: How long preemption may stay unheard, in seconds.
+#: Interval of checks for preemption, in seconds.
 _LISTEN_S = 0.02
 
 
@@ -54,17 +54,17 @@ class Step:
     action: str
     #: The objects, one for each parameter.
     objects: tuple
-    #: The library behind it.
+    #: Library of the skill.
     library: str
-    #: The name of its state.
+    #: Name of the skill's state.
     title: str
-    #: When it begins; of a plan without times, its index.
+    #: Planned start; the index of the step for a plan without times.
     start: float
-    #: How long it takes; None for an action without duration.
+    #: Planned duration; None for an action without duration.
     duration: "float | None"
-    #: The facts that it needs, each with the index of the step that brings it, or None.
+    #: Required facts, each with the index of the step that provides it, or None.
     needs: tuple
-    #: The facts that it brings, each with the indices of the steps that need it, and whether the goal does.
+    #: Provided facts, each with the indices of the steps that need it, and a flag for the goal.
     brings: tuple
 
     def __str__(self):

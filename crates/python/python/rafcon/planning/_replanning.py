@@ -33,7 +33,7 @@ def replan(state, inputs, outputs=None):
     plans = [list(tried) for tried in inputs.get("plans") or ()]
     if outputs is not None:
         outputs["plans"] = plans
-    # The first plan was no replanning.
+    # The first plan does not count as replanning.
     done = max(0, len(plans) - 1)
     if plans and done >= inputs["replans_max"]:
         state.logger.error("it was planned %d times again, as often as allowed (replans_max)", done)
@@ -66,7 +66,7 @@ def replan(state, inputs, outputs=None):
     plans.append(steps)
     state.logger.info("a new plan: %s", ", ".join(steps))
     _replace(host, found.to_machine().root_state)
-    # The new steps run once a runner that is killed would be followed by one that knows them.
+    # The new steps may run only when a restarted runner would know them.
     while not native.has_kept_changes():
         if state.preemptive_wait(_LISTEN_S):
             raise StatePreempted()

@@ -25,7 +25,7 @@ _RESULT_S = 10.0
 _CANCEL_AGAIN_S = 0.5
 #: Responses to a cancellation.
 _REFUSED, _UNKNOWN = 1, 2
-#: Feedback goes to the log no more often than this (s).
+#: Minimum interval (s) of feedback in the log.
 _LOG_EVERY_S = 1.0
 
 _OUTCOMES = {_backend.SUCCEEDED: "succeeded", _backend.CANCELED: "canceled", _backend.ABORTED: "aborted"}
@@ -39,7 +39,7 @@ class ActionResult:
     outcome: str
     #: The result, a :class:`Message`; None if none came.
     result: Any = None
-    #: The feedback that came last, a :class:`Message`, or None.
+    #: The last feedback, a :class:`Message`, or None.
     feedback: Any = None
     #: Reason, if the outcome alone does not explain the end.
     why: str = ""
@@ -63,7 +63,7 @@ class _SentGoal:
         self.is_accepted = False
         self.last_feedback = None
         self.cancel_answer = None
-        #: (status, values) at the end; a status of 0 is a rejection, None a failure with words for values.
+        #: (status, values) at the end; status 0 is a rejection, and None a failure with a text as values.
         self.end = None
         #: Final state and its time of arrival, from the topic of states.
         self.told = None
@@ -72,7 +72,7 @@ class _SentGoal:
         """Sends it, when its turn has come."""
 
         def start():
-            # Another goal's thread may be the one that opens the gate: what fails is this goal's.
+            # Another goal's thread may open the gate, so report errors to this goal.
             try:
                 if self.end is None and not self._unwanted:
                     self.goal = client.send(values, self)

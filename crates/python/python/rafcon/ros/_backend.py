@@ -52,10 +52,10 @@ TYPE_CODES = {
     "float64": "d",
 }
 
-#: Arrays of these are ``bytes``.
+#: Types whose arrays are ``bytes``.
 BYTES = ("byte", "char", "uint8")
 
-#: All types of fields that are no messages.
+#: All field types except messages.
 PRIMITIVES = ("bool", "string", "wstring", *BYTES, *TYPE_CODES)
 
 #: States of a goal, as in ``action_msgs/msg/GoalStatus``.
@@ -82,11 +82,11 @@ class Field(NamedTuple):
     type: str
     #: ``one``, or for arrays ``fixed`` (exactly ``size``), ``bounded`` (up to ``size``) or ``unbounded``.
     kind: str = "one"
-    #: Of a fixed or bounded array; otherwise 0.
+    #: Size of a fixed or bounded array; otherwise 0.
     size: int = 0
-    #: The longest text of a ``string`` or ``wstring``, or 0.
+    #: Maximum length of a ``string`` or ``wstring``, or 0.
     text_max: int = 0
-    #: The default in the form of messages, or None if the type gives none (then zero, empty, false).
+    #: The default in the form of messages, or None without a default (then zero, empty, false).
     default: Any = None
 
 
@@ -96,7 +96,7 @@ class MessageType(NamedTuple):
     #: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger_Request``, ``nav2_msgs/action/NavigateToPose_Goal``.
     name: str
     fields: Tuple[Field, ...]
-    #: Name to value.
+    #: Constants by name.
     constants: Mapping[str, Any] = {}
 
 
@@ -107,29 +107,29 @@ class Qos(NamedTuple):
     reliability: str = "reliable"
     #: ``volatile`` or ``transient_local`` (*latched*).
     durability: str = "volatile"
-    #: How many messages are kept; 0: all.
+    #: Number of messages kept; 0: all.
     depth: int = 10
 
 
 class Endpoint(NamedTuple):
     """A publisher or subscription that somebody has on a topic, the back end's own included."""
 
-    #: The absolute name of its node, or an empty text if that is not known yet.
+    #: The absolute name of its node; empty if it is unknown yet.
     node: str
     type_name: str
-    #: ``reliable`` or ``best_effort``, ``volatile`` or ``transient_local``; ``depth`` means nothing here.
+    #: ``reliable`` or ``best_effort``, ``volatile`` or ``transient_local``; ``depth`` is meaningless here.
     qos: Qos
 
 
 class Settings(NamedTuple):
     """How the node is to be."""
 
-    #: The node's name, ``rafcon_…``, and its namespace, beginning with ``/``.
+    #: The node's name, ``rafcon_…``, and its namespace, which begins with ``/``.
     name: str
     namespace: str = "/"
-    #: None: as ROS decides (``ROS_DOMAIN_ID``).
+    #: Domain; None: the default of ROS (``ROS_DOMAIN_ID``).
     domain: Optional[int] = None
-    #: Folders with interface files, before all others: ``FOLDER/PACKAGE/{msg,srv,action}/NAME.{msg,srv,action}``.
+    #: Folders with interface files, searched first: ``FOLDER/PACKAGE/{msg,srv,action}/NAME.{msg,srv,action}``.
     type_folders: Tuple[str, ...] = ()
 
 

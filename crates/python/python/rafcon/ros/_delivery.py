@@ -4,7 +4,7 @@ import time
 
 from rclpy.duration import Duration
 
-#: Longest wait (s) for acknowledgements when a node or a publisher closes. A subscriber that was matched a moment ago acknowledges after the
+#: Timeout (s) for acknowledgements when a node or a publisher closes. A newly matched subscriber acknowledges after the
 #: next heartbeat, and the period of Fast DDS is 3 s.
 _DELIVER_S = 3.5
 

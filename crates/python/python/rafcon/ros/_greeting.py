@@ -45,7 +45,7 @@ class _Greeting:
         self._multicast = PORT + DOMAIN_GAIN * domain
         self._own_key = own_key
         self._note = note
-        #: Where the participant of this process listens, once it has answered.
+        #: Addresses of this process's participant, once it has responded.
         self._own_places = ()
         self._answers = {}
         #: One participant for each of our addresses: a known participant with another address gets no reply.

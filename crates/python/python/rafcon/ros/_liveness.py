@@ -16,7 +16,7 @@ import time
 
 GROUP = "239.255.0.1"
 PORT, DOMAIN_GAIN, _DOMAINS = 7400, 250, 233
-#: A participant that somebody waits for is asked this often (s).
+#: Interval (s) of probes of a participant that somebody waits for.
 _ASK_EVERY_S = 0.2
 #: Maximum number of known participants; the one silent for longest is dropped for a new one.
 _PARTICIPANTS_MAX = 1000
@@ -157,7 +157,7 @@ def _connected(place):
     return made
 
 
-#: A message of RTPS 2.2 with nothing in it, from nobody.
+#: An empty message of RTPS 2.2 without a sender.
 _EMPTY = b"RTPS\x02\x02\x00\x00" + bytes(12)
 
 

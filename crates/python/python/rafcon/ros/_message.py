@@ -70,7 +70,7 @@ class Message(Mapping):
         return value
 
     def __getattribute__(self, name):
-        # Fields come before methods: there are types with a field `values` or `keys`.
+        # Fields take precedence over methods, because some types have a field `values` or `keys`.
         if name[:1] != "_" and name in object.__getattribute__(self, "_values"):
             return self[name]
         return object.__getattribute__(self, name)

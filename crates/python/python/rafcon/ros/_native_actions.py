@@ -13,11 +13,11 @@ _STATES = Qos("reliable", "transient_local", 1)
 _CANCEL = "action_msgs/srv/CancelGoal"
 _STATUS = "action_msgs/msg/GoalStatusArray"
 _NOW = {"sec": 0, "nanosec": 0}
-#: Time for which results are kept (s).
+#: Lifetime (s) of results.
 _KEPT_S = 900.0
-#: Ended goals whose results are kept; the oldest is forgotten for one more.
+#: Maximum number of kept results of ended goals; the oldest is dropped for a new one.
 _KEPT_MAX = 1000
-#: Longest wait (s) of a closing server, from the end of a goal until a client requests the result.
+#: Timeout (s) of a closing server, from the end of a goal until a client requests the result.
 _TAKEN_S = 0.5
 #: Time (s) that an ended goal stays in the list of states.
 _LISTED_S = 10.0
@@ -60,7 +60,7 @@ class ActionClient:
             self._goals[sent.goal_id] = sent
         request = {"goal_id": {"uuid": sent.goal_id}, "goal": goal}
         try:
-            # The helper outlives this process: it cancels the goals of one that is killed.
+            # The helper outlives this process, and cancels its goals if it is killed.
             sent._cancel_at_end = self._backend.at_end(self._cancels._handle, sent._cancel_request())
             self._sends.send(request, sent._answered)
         except Exception:
@@ -170,7 +170,7 @@ class ActionServer:
         self._asked = asked
         self._goals = {}
         self._lock = threading.RLock()
-        #: A client has its result.
+        #: Notified when a client has received its result.
         self._taken = threading.Condition(self._lock)
         self._open = True
         part = f"{name}/_action/"
@@ -293,7 +293,7 @@ class _ServerGoal:
         self.result = {}
         self.waiting = []
         self.ended_s = None
-        #: Whether a client has been sent the result.
+        #: True if the result was sent to a client.
         self.is_taken = False
         self._cancel = lambda: False
         self._server = server

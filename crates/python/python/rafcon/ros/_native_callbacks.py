@@ -3,11 +3,11 @@
 import collections
 import threading
 
-#: Messages and requests that wait; the oldest is dropped for one more.
+#: Capacity of the queue of messages and requests; the oldest is dropped for a new one.
 _MESSAGES_MAX = 10_000
-#: Bytes of their frames, beyond the newest message.
+#: Capacity in bytes of frames, without the newest message.
 _BYTES_MAX = 64 << 20
-#: Events that others send unasked.
+#: Events that are no responses.
 _UNASKED = ("heard", "request")
 
 
@@ -55,7 +55,7 @@ class Callbacks:
         while len(self._messages) > _MESSAGES_MAX or (self._bytes > _BYTES_MAX and len(self._messages) > 1):
             self._bytes -= self._messages.popleft()[2]
             self._dropped += 1
-            # The first, second, fourth, eighth …
+            # Report the first, second, fourth, eighth …
             if self._dropped & (self._dropped - 1) == 0:
                 text = f"the queue of received messages is full: {self._dropped} of the oldest messages are dropped"
                 self._add(self._others, {"say": "warning", "text": text}, 0)

@@ -8,7 +8,7 @@ import time
 
 from rafcon.ros._backend import RosError, UnknownType
 
-#: Names folders with interface files.
+#: Environment variable with folders of interface files.
 _VARIABLE = "RAFCON_ROS_TYPES"
 
 _SERVICE = "type_description_interfaces/srv/GetTypeDescription"
@@ -30,7 +30,8 @@ class Descriptions:
     def complete(self, name, error):
         """Has the helper learn a message type that is unknown; raises ``error`` with what was tried if that is impossible."""
         if "/msg/" not in name:
-            # Its users announce the hashes of requests and responses, and describe the whole only to who knows its hash.
+            # Its users announce the hashes of requests and responses, but describe the whole service only to clients that
+            # know its hash.
             raise UnknownType(str(error))
         users = self._users([name], time.monotonic() + _FIND_S).get(name)
         failed = self._learn(name, users) if users else []

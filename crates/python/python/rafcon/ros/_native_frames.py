@@ -8,9 +8,9 @@ import json
 import struct
 
 _HEAD = struct.Struct("<II")
-#: Bytes of a frame.
+#: Maximum size of a frame, in bytes.
 _FRAME_MAX = 1 << 30
-#: What the codes of arrays are where their sizes differ between computers: by kind and bytes of a value.
+#: Array codes whose sizes differ between computers, by kind and bytes of a value.
 _CODES = {
     **{("u", 1): "B", ("u", 2): "H", ("u", 4): "I", ("u", 8): "Q"},
     **{("i", 1): "b", ("i", 2): "h", ("i", 4): "i", ("i", 8): "q"},

@@ -19,7 +19,7 @@ from rafcon.ros import _native_frames
 from rafcon.ros._backend import BackendLost, RosError
 from rafcon.ros._native_callbacks import Callbacks
 
-#: Where the helper is, if it is not beside ``rafcon`` nor in PATH.
+#: Path of the helper, if it is neither next to ``rafcon`` nor in PATH.
 BINARY_VARIABLE = "RAFCON_ROS"
 _NAME = "rafcon-ros.exe" if os.name == "nt" else "rafcon-ros"
 #: Timeout (s) for its good-bye to peers; then it is killed.
@@ -72,7 +72,7 @@ class Helper:
         path = found()
         own, other = socket.socketpair()
         try:
-            # In a session of its own: an interrupt from the keyboard is for the run, and the helper ends with its socket.
+            # Start a new session: a keyboard interrupt is for the run only, and the helper ends with its socket.
             streams = {"stdin": other, "stdout": other, "stderr": self._stderr}
             self._process = subprocess.Popen([path, "serve"], start_new_session=True, **streams)
         except OSError as error:

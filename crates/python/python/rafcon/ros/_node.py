@@ -38,7 +38,7 @@ class Node:
         self.types = Types(backend.describe)
         self.logger = logger
         self._began_s = time.monotonic()
-        #: Why the node has ended, or None.
+        #: Reason of the node's end, or None.
         self.ended = None
         self._lock = threading.RLock()
         self._shared = {}

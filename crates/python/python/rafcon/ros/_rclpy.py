@@ -20,7 +20,7 @@ from rafcon.ros._rclpy_actions import ActionClient, ActionServer
 from rafcon.ros._rclpy_messages import Classes, interface
 
 _ANSWERS_MAX = 1000
-#: Each node publishes this.
+#: Topic that each node publishes.
 _OF_EACH_NODE = "/parameter_events"
 #: Number of consecutive failures that end the executor.
 _FAILURES_MAX = 10
@@ -446,7 +446,8 @@ class _Service(_Part):
             if self._open:
                 asked(taken)
 
-        # `rclpy` sends what the callback returns; here that is the request itself, which is answered when its answer is known.
+        # `rclpy` sends the return value of the callback. Here that is the request itself; the response is sent when it is
+        # known.
         self._service.send_response = later
 
     def _destroy(self):

@@ -5,7 +5,7 @@ import importlib
 
 from rafcon.ros._backend import BYTES, TYPE_CODES, Field, MessageType, UnknownType
 
-#: Names of primitive types where ROS's own differ from those of interface files.
+#: Names of primitive types that differ between ROS and interface files.
 _PRIMITIVES = {"boolean": "bool", "octet": "byte", "float": "float32", "double": "float64"}
 _PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
 

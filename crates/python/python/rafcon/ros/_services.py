@@ -134,7 +134,7 @@ class _Call:
         return response
 
     def _send(self, values):
-        # Another call's thread may be the one that opens the gate: what fails is this call's.
+        # Another call's thread may open the gate, so report errors to this call.
         self._gone.sent()
         try:
             self._pending = self._client.send(values, self._done)

@@ -139,7 +139,7 @@ def heard_quality(here, topic, value):
     return Qos("best_effort" if best_effort else "reliable", "transient_local" if latched else "volatile", 10)
 
 
-#: :func:`qos` by a name that no parameter hides.
+#: :func:`qos` under a name that no parameter shadows.
 _quality_of = qos
 
 

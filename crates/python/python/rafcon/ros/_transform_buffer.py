@@ -5,11 +5,11 @@ import math
 import threading
 from dataclasses import dataclass
 
-#: Transforms older than this (ns), measured from the newest of their frame, are forgotten.
+#: Maximum age (ns) of transforms, relative to the newest of their frame.
 _KEPT_NS = 10_000_000_000
-#: A jump back in time by more than this (ns) is a simulation that began anew: all is forgotten.
+#: A jump back in time by more than this (ns) is a restarted simulation; all transforms are then dropped.
 _JUMP_NS = 1_000_000_000
-#: Frames on the way up from a frame, itself included.
+#: Maximum number of frames from a frame up to its root, including itself.
 _DEPTH_MAX = 1000
 
 
@@ -27,7 +27,7 @@ class Transform:
     translation: tuple
     #: A unit quaternion (x, y, z, w).
     rotation: tuple
-    #: Of this time (s); 0 if nothing on the way ever moves.
+    #: Time (s) of the transform; 0 if no part of it ever moves.
     stamp: float = 0.0
 
     def apply(self, point):

@@ -164,7 +164,7 @@ def _memory(value):
         memory = memoryview(value)
     except TypeError:
         return None
-    # The bytes of a big-endian array are not those of a message.
+    # A big-endian array differs in its bytes from a message.
     return memory if memory.ndim == 1 and memory.format[:1] not in "<>!=" else None
 
 

@@ -75,7 +75,7 @@ class Waiter:
             self._event.wait(seconds)
         else:
             mask = _signals.NUDGED | (_signals.PREEMPTED if self._heeds else 0)
-            # Another wait of this state may have silenced the bell of this one.
+            # Another wait of this state may have cleared the flag of this one.
             if not self._event.is_set():
                 self._signals.wait(mask, _signals.seconds(seconds))
 

@@ -34,7 +34,7 @@ def _remove_if_empty(owner):
                 os.rmdir(folder)
 
 
-#: The folder of this process below it, and the one for what has no other place. Empty ones go when the process ends.
+#: The folder of this process below it, and the one for all other files. Empty folders are removed when the process ends.
 RAFCON_TEMP_PATH_BASE, RAFCON_TEMP_PATH_STORAGE = _made()
 atexit.register(_remove_if_empty, os.getpid())
 

@@ -148,7 +148,7 @@ class _Relations:
 
     def __init__(self):
         self.next, self.concurrent, self.hierarchy = {}, {}, {}
-        # Runs that are not over: path to (run, whether its states run side by side). Run to the last one inside.
+        # Active runs of states: path to (run, flag for parallel children). Run to its last child run.
         self._open, self._last, self._parents = {}, {}, {}
         self._seen = set()
 

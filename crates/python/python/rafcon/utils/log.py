@@ -4,7 +4,7 @@ import functools
 import logging
 import warnings
 
-#: Below ``logging.DEBUG``; ``logger.verbose(…)`` logs at it.
+#: A level below ``logging.DEBUG``, for ``logger.verbose(…)``.
 VERBOSE = 5
 
 

@@ -3,10 +3,10 @@
 import os
 import sys
 
-#: The user's own folder for data.
+#: The user's data folder.
 xdg_user_data_folder = os.environ.get("XDG_DATA_HOME") or os.path.join(os.path.expanduser("~"), ".local", "share")
 
-#: All folders, the first wins.
+#: All data folders; the first match is used.
 share_folder_paths = [xdg_user_data_folder, os.path.join(sys.prefix, "share"), "/usr/local/share", "/usr/share"]
 
 

@@ -16,7 +16,7 @@ class Timer:
         self._continues = continues
         self._begun_s = None
         self._duration_s = 0.0
-        #: How often it was started.
+        #: Number of starts.
         self.count = 0
 
     def start(self):

@@ -11,7 +11,7 @@ from rafcon.utils.log import get_logger
 
 logger = get_logger(__name__)
 
-#: The ids of these breakpoints begin here; those of people who watch the run are below.
+#: First id of these breakpoints; those of viewers are lower.
 _FIRST_ID = 1 << 40
 
 
@@ -27,7 +27,7 @@ class BreakpointManager:
         self._breakpoints = {}
         self._listeners = []
         self._ids = itertools.count(_FIRST_ID)
-        # Path in the machine that runs to the id of its breakpoint there.
+        # Path in the running machine to the id of its breakpoint.
         self._set = {}
 
     def add_breakpoint(self, state, display_name):

@@ -23,7 +23,7 @@ _STEPS = {
     "run_only_selected": StateMachineExecutionStatus.RUN_ONLY_SELECTED_STATE,
     "start_from_history": StateMachineExecutionStatus.RUN_TO_SELECTED_STATE,
 }
-#: The modes while the machine runs to where such a command leads.
+#: Mode during each command that runs to a target.
 _RUNS = {
     "run_to": StateMachineExecutionStatus.RUN_TO_SELECTED_STATE,
     "run_selected": StateMachineExecutionStatus.RUN_SELECTED_STATE,
@@ -40,12 +40,12 @@ class ExecutionEngine(Observable):
     def __init__(self, state_machine_manager):
         self.state_machine_manager = state_machine_manager
         self._run = None
-        #: Where the run is held: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
+        #: Breakpoints of the run: a :class:`~rafcon.core.execution.breakpoint_manager.BreakpointManager`.
         self.breakpoint_manager = BreakpointManager()
         self._last_command = None
         # True if the run was started under external control; its initial hold is then ignored.
         self._is_led = False
-        #: Counts how often a branch came to be held in a run of this program; may be set. A step is over when it has grown.
+        #: Number of times that a branch was held, in runs of this program; may be set. A step is over when it has grown.
         self.synchronization_counter = 0
         #: ``status.execution_mode`` is a ``StateMachineExecutionStatus``.
         self.status = self._status = ExecutionStatus(self._mode)

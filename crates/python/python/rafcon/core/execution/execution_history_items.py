@@ -14,11 +14,11 @@ class HistoryItem:
     def __init__(self, sequence, timestamp, path, data, backward, call_type=CallType.EXECUTE):
         #: The number of the event in the journal of the run.
         self.sequence = sequence
-        #: When it happened: s since 1970.
+        #: Time of the event: s since 1970.
         self.timestamp = timestamp
         #: The path of the state: ids joined by ``/``.
         self.path = path
-        #: Whether it undoes an earlier entry: a step back.
+        #: True if it undoes an earlier entry in a step back.
         self.backward = backward
         #: ``CONTAINER`` for what runs the states inside, ``EXECUTE`` for the state as its container sees it.
         self.call_type = call_type

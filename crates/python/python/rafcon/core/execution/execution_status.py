@@ -16,7 +16,7 @@ class ExecutionStatus:
 
     def __init__(self, read):
         self._read = read
-        #: For programs that guard what they read and set of the engine; the engine itself does not need it.
+        #: For programs that guard their access to the engine's status; the engine itself does not need it.
         self.execution_condition_variable = threading.Condition()
 
     @property

@@ -84,7 +84,7 @@ class DataPort(StateElement):
         return f"DataPort '{name}' [{key}] ({default} {data_type})"
 
 
-#: Types between which defaults are converted: old to new ones.
+#: Conversions of defaults: from old types to new ones.
 _CONVERTED = {int: (float, str), float: (int, str), bool: (str,), list: (tuple,), tuple: (list,)}
 
 

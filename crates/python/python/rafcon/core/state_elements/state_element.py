@@ -9,9 +9,9 @@ class StateElement:
     """
 
     _fields = ()
-    #: Where a state's facts list elements of this kind.
+    #: Key of the elements of this kind in a state's facts.
     _group = None
-    #: What changes of this kind are named.
+    #: Prefix of the verbs of changes for this kind.
     _verb = None
 
     def __init__(self, parent=None, values=()):

@@ -34,7 +34,7 @@ class StateConstruction:
         self._told = 0
         self._backward = False
         if not hasattr(self, "persistent_variables"):
-            #: A dictionary of the user's, kept from one run of the state to the next.
+            #: A dictionary for the user, kept from one run of the state to the next.
             self.persistent_variables = {}
 
     def _build(self, name, state_id, parts):

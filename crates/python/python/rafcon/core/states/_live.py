@@ -8,7 +8,7 @@ class LiveDict(dict):
     """
 
     _seen = None
-    #: What an assignment would have to be.
+    #: Advice in errors about assignments.
     _advice = "it changes with its state; use the methods of the state that add and remove"
 
     def _read(self):

@@ -6,7 +6,7 @@ from copy import copy
 
 from rafcon.utils.hashable import Hashable
 
-#: Nothing wakes a thread of the program when a state ends, so it is asked this often.
+#: Polling interval, because the end of a state wakes no thread of the program.
 _ASK_EVERY_S = 0.005
 
 
@@ -40,7 +40,7 @@ class StateSummary(Hashable):
         if getattr(parent, "parent", None) is None and not hasattr(parent, "state_id"):
             return ""
         above = parent.get_storage_path()
-        # The root of a library has no folder in that of the machine.
+        # The root of a library has no folder in the machine's folder.
         return above if self.is_root_state_of_library else os.path.join(above, get_storage_id_for_state(self))
 
     def get_temp_file_system_path(self):

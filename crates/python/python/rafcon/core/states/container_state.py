@@ -250,7 +250,7 @@ def _connections(outside, inside, state_id):
     external = _sorted_by_ends(outside, state_id)
     del external["enclosed"]
     internal = _sorted_by_ends(inside, state_id)
-    # Seen from inside, what begins at the state comes in.
+    # From inside, lines that begin at the state are incoming.
     internal["ingoing"], internal["outgoing"] = internal["outgoing"], internal["ingoing"]
     return {"external": external, "internal": internal}
 

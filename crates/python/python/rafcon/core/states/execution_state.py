@@ -49,7 +49,7 @@ class ExecutionState(State):
         self.script_text = script.script
         self._own_script = script._belong_to(self)
 
-    # As old programs reach it.
+    # Old name, for existing programs.
     _script = script
 
     @property

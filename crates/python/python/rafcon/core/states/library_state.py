@@ -14,7 +14,7 @@ class LibraryState(State):
     """
 
     _kind = "library"
-    #: The ports that got a default here: which, and their id.
+    #: Ids of the ports whose default was set here.
     _own_defaults = frozenset()
 
     def __init__(

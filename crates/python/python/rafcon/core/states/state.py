@@ -21,7 +21,7 @@ from rafcon.utils.log import get_logger
 
 #: Separates the state ids (or names) of a path.
 PATH_SEPARATOR = "/"
-#: How many letters the id of a new state has.
+#: Number of letters in the id of a new state.
 STATE_ID_LENGTH = 6
 
 StateExecutionStatus = Enum(
@@ -50,11 +50,11 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     there until the process ends, and so does ``persistent_variables``.
     """
 
-    #: Of the root of a machine that is being built: the inputs of its next runs.
+    #: Inputs of the next runs; for the root of a machine that is being built.
     _given_inputs = None
-    #: Of such a root: its outputs; placeholders until it runs.
+    #: Outputs, placeholders until it runs; for such a root.
     _given_outputs = None
-    #: Of the root of a machine that was loaded: the faults that the log has of it already.
+    #: Problems already logged; for the root of a loaded machine.
     _problems_told = frozenset()
 
     @property
@@ -68,7 +68,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     def _live(self):
         return self._home.live(self)
 
-    # ---- who it is
+    # ---- identity
 
     @property
     def name(self):
@@ -121,7 +121,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     def __repr__(self):
         return f"<{type(self).__name__} {self.get_path()}>"
 
-    # ---- around it
+    # ---- surroundings
 
     @property
     def parent(self):
@@ -172,7 +172,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
             return _objects.state(before)
         return self.parent if isinstance(self.parent, State) else None
 
-    # ---- its parts
+    # ---- parts
 
     def _parts(self, group, cls):
         """Live mapping of ids to elements of one kind; one dictionary for the life of the state."""
@@ -237,7 +237,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
         ports = [self.input_data_ports.values(), self.output_data_ports.values()]
         return [self.outcomes.values(), *ports, [self._income]]
 
-    # ---- its run
+    # ---- run
 
     @property
     def preempted(self):

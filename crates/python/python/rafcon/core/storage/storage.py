@@ -25,11 +25,11 @@ FILE_NAME_META_DATA_SM = "sm_meta_data.json"
 SCRIPT_FILE = "script.py"
 #: The semantic data of a state.
 SEMANTIC_DATA_FILE = "semantic_data.json"
-#: Between name and id in the name of a state's folder.
+#: Separator of name and id in the name of a state's folder.
 ID_NAME_DELIMITER = "_"
 #: The name of a library state whose library is missing.
 LIBRARY_NOT_FOUND_DUMMY_STATE_NAME = "LIBRARY NOT FOUND DUMMY STATE"
-#: What the name of a folder has instead of characters that some system forbids.
+#: Replacements in folder names for characters that some system forbids.
 REPLACED_CHARACTERS_FOR_NO_OS_LIMITATION = {
     **dict.fromkeys("/\\<>", ""),
     "\\0": "",

@@ -5,7 +5,7 @@ import functools
 
 from rafcon.design_patterns.observer.wrappers import WrapperBase, wrapped
 
-#: The attribute of a class that names what its models announce.
+#: The attribute of a class with the names that its models announce.
 OBSERVABLES = "__observables__"
 
 

@@ -5,7 +5,7 @@ import re
 
 from rafcon import dialog
 
-#: The answer of ``Gtk.ResponseType`` that a message gives.
+#: Response of a message dialog, as in ``Gtk.ResponseType``.
 _OK = -5
 
 

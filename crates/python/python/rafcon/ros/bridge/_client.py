@@ -7,9 +7,9 @@ import ssl
 import threading
 import urllib.parse
 
-#: A request is answered at once (s), or the server does not answer.
+#: Response timeout (s).
 ANSWER_S = 5.0
-#: Characters of an address that an error shows.
+#: Maximum length of an address in an error.
 _SHOWN_MAX = 200
 
 
@@ -57,7 +57,7 @@ class Client:
             try:
                 connection.request(method, address, body, self._headers)
             except (BrokenPipeError, ConnectionResetError):
-                # The server may have refused the request before it was sent whole; its answer follows.
+                # The server may have refused the request before it was sent completely; read its response.
                 pass
             answer = connection.getresponse()
             text = answer.read()
@@ -65,7 +65,7 @@ class Client:
             self._forget()
             raise
         if connection.sock is None:
-            # The server has closed the connection after its answer.
+            # The server has closed the connection after its response.
             self._forget()
         value = _value(text)
         if answer.status >= 400:
@@ -113,7 +113,7 @@ def _value(text):
 
 
 def _any_certificate():
-    # The server's certificate is known by its fingerprint, which is compared before anything is sent.
+    # The server's certificate is identified by its fingerprint, which is compared before any data is sent.
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False
     context.verify_mode = ssl.CERT_NONE

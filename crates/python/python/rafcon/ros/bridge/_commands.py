@@ -8,7 +8,7 @@ from rafcon.ros import RosError
 from rafcon.ros.bridge._client import NoAnswer, Refused
 
 LIST, COMMAND, TRIGGER = "rafcon_msgs/srv/List", "rafcon_msgs/srv/Command", "std_srvs/srv/Trigger"
-#: Commands by the words of requests.
+#: Commands by their names in requests.
 COMMANDS = {
     "pause": "pause",
     "resume": "resume",
@@ -18,11 +18,11 @@ COMMANDS = {
     "step_over": "step_over",
     "step_out": "step_out",
 }
-#: Services without a request, for the one run that is in progress.
+#: Services without a request, for the only run in progress.
 SHORT = ("pause", "resume", "step", "stop")
-#: These need control; it is given back, for nobody hands it over by hand here.
+#: Commands that need control; it is released afterwards, because nobody hands it over here.
 _WITH_CONTROL = ("resume", "step_into", "step_over", "step_out")
-#: A stop may have to end the runner's process (s).
+#: Timeout (s); a stop may have to end the runner's process.
 _COMMAND_S = 35.0
 
 

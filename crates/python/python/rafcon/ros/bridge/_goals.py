@@ -14,18 +14,18 @@ from rafcon.ros.bridge._mapping import Unfit
 
 #: Maximum number of concurrent goals; each has a thread of its own, and a runner.
 GOALS_MAX = 8
-#: Levels of lists and objects in `inputs`; the server parses 127.
+#: Maximum nesting of lists and objects in `inputs`; the server parses 127.
 DEPTH_MAX = 100
 _TOO_DEEP = f"`inputs` has more than {DEPTH_MAX} levels of lists and objects: send fewer"
 #: Timeout (s) for loading a machine.
 _START_S = 130.0
 #: Interval (s) at which a goal checks for cancellation.
 _LOOK_S = 0.02
-#: A runner that died may be followed by another within this time (s).
+#: Time (s) in which a restarted runner may follow a dead one.
 _CRASHED_S = 1.0
 #: A run missing from the status for this time (s) is lost.
 _MISSING_S = 10.0
-#: Outcomes that are no success.
+#: Outcomes that count as failures.
 _FAILURES = ("aborted", "preempted")
 
 
@@ -37,7 +37,7 @@ class Asked:
     inputs: dict
     #: The type of its action.
     type: str
-    #: ``result(run, outcome, outputs, words)`` and ``feedback(run, active)`` give fields; no feedback is None.
+    #: ``result(run, outcome, outputs, words)`` and ``feedback(run, active)`` return fields; None if there is no feedback.
     result: object
     feedback: object
 
@@ -58,7 +58,7 @@ class Goals:
         self._lock = threading.Condition()
         self._count = 0
         self._begun = {}
-        #: Why no goal is worked for any more, or None.
+        #: Reason why goals are no longer accepted, or None.
         self.over = None
 
     def accept(self, action, ask):
@@ -150,7 +150,7 @@ class Goals:
             command = {"id": f"ros-{uuid.uuid4().hex}", "command": {"type": "stop"}}
             self._client.post(("runs", run, "commands"), command, _START_S)
         except (Refused, NoAnswer) as error:
-            # One that is over needs no stop; else its end is waited for.
+            # An ended run needs no stop; otherwise wait for its end.
             self._tell(f"the run {run} is not stopped by the cancelled goal: {error}")
         self._watch.now()
 

@@ -9,7 +9,7 @@ from rafcon.core.storage import storage
 #: Keys in the semantic data of a root that make it an action: ``{"ros": {"action": {"name": …, "type": …}}}``.
 SECTION, ENTRY = "ros", "action"
 _FILE = "semantic_data.json"
-#: Folders in folders.
+#: Maximum nesting of folders.
 _DEPTH_MAX = 32
 
 
@@ -18,9 +18,9 @@ class Machine:
     """A machine as it lies on disk."""
 
     project: str
-    #: Its folder in the project.
+    #: Path of its folder in the project.
     path: str
-    #: The folder itself.
+    #: Absolute path of its folder.
     folder: str
 
     @property
@@ -114,7 +114,7 @@ def check_inputs(machine, names):
 def _may_declare(folder):
     """Whether the root of a machine has semantic data about ROS; most machines need not be read for that."""
     place = pathlib.Path(folder)
-    # Older machines have a folder for the root.
+    # Older machines have a folder for their root.
     for file in (place / _FILE, *place.glob("*/" + _FILE)):
         try:
             if SECTION in json.loads(file.read_text("utf-8")):

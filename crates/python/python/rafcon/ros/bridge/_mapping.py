@@ -4,9 +4,9 @@ import array
 import math
 from collections.abc import Mapping
 
-#: Names of result fields that have the outcome, the run and words, where the machine has no output of that name.
+#: Names of result fields for the outcome, the run and a text, unless the machine has an output with that name.
 OUTCOME, RUN, WORDS = "outcome", "run", ("message", "error_msg")
-#: Names of feedback fields that have the active states.
+#: Names of feedback fields for the active states.
 ACTIVE = ("active", "active_states")
 
 

@@ -14,7 +14,7 @@ from rafcon.ros.bridge._goals import Goals
 from rafcon.ros.bridge._watch import Watch
 
 RUN_MACHINE = "rafcon_msgs/action/RunMachine"
-#: Where the types of the bridge are if its back end does not know them.
+#: Ways to install the types of the bridge, if its back end does not know them.
 WAY_OUT = (
     "build the package ros/rafcon_msgs of RAFCON in a workspace of ROS and source it, or put rafcon-ros beside rafcon, which has these types"
 )
@@ -26,7 +26,7 @@ _LOOK_S = 1.0
 
 def tell(text):
     """Says a line to whoever started the server."""
-    # A server that was killed reads no more.
+    # A killed server no longer reads.
     with contextlib.suppress(OSError):
         print(f"ROS: {text}", flush=True)
 

@@ -56,7 +56,7 @@ class Watch:
         self._wanted = threading.Event()
         self._runs = {}
         self._closed = False
-        #: Whether the server did not answer when it was asked last.
+        #: True if the server did not respond to the last request.
         self.is_blind = False
         self.files_revision = None
         #: Runs of goals; always reported, even when many have ended.

@@ -13,7 +13,7 @@ except ImportError as error:
     Buffer = None
     _MISSING = error
 
-#: How long (s) transforms are kept.
+#: Lifetime (s) of transforms.
 _TRANSFORMS_S = 60
 
 
