@@ -7,8 +7,8 @@ use crate::json::{self, Json};
 use crate::types::library::{Kind, Library, Type, TypeField};
 use crate::types::{Literal, Primitive, Shape, hash};
 
-/// All of `types` and their nested types by name: `{"name": {"fields": [[name, type, kind, size, text_max, default]],
-/// "constants": {}}}`.
+/// All of `types` and their nested types by name:
+/// `{"name": {"fields": [[name, type, kind, size, text_max, default]], "constants": {}}}`.
 pub(crate) fn all(types: &[&Type]) -> String {
     let mut known = BTreeMap::new();
     types.iter().for_each(|one| collect(one, &mut known));

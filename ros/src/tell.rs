@@ -69,8 +69,8 @@ fn count(node: &Node, counted: Counted) -> usize {
     }
 }
 
-/// The complete graph: `{"ends": [[topic, reader, node, type, reliable, latched]], "services": {name: [type]}, "nodes":
-/// [name]}`.
+/// The complete graph:
+/// `{"ends": [[topic, reader, node, type, reliable, latched]], "services": {name: [type]}, "nodes": [name]}`.
 pub(crate) fn graph(node: &Node) -> String {
     let mut ends = Vec::new();
     let mut services: BTreeMap<String, Vec<String>> = BTreeMap::new();
