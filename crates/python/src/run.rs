@@ -1,4 +1,4 @@
-//! One script from its inputs to its result.
+//! Execution of one script, from its inputs to its result.
 
 use crate::copy::copied;
 use crate::handle::Handle;
@@ -16,7 +16,7 @@ use rafcon_model::OutcomeId;
 use rafcon_protocol::LogLevel;
 use rafcon_runner::signals::PREEMPTED;
 
-/// Runs the script of the state at `seat`. Whatever it raises becomes its result.
+/// Runs the script of the state at `seat`. An exception becomes its result.
 pub(crate) fn run(
     py: Python<'_>,
     script: &Script,
@@ -33,7 +33,7 @@ pub(crate) fn run(
     outcome.unwrap_or_else(|error| scripts::failed(py, error))
 }
 
-/// Sends what the script printed without ending the line.
+/// Logs output of the script without a final newline.
 fn flush(py: Python<'_>, runtime: &Runtime) {
     if !runtime.pending.bind(py).is_empty()
         && let Err(error) = runtime.flush_capture.call0(py)
@@ -42,7 +42,7 @@ fn flush(py: Python<'_>, runtime: &Runtime) {
     }
 }
 
-/// A script about to run, with all that it needs.
+/// A script with everything needed to run it.
 struct Call<'c, 'py> {
     py: Python<'py>,
     runtime: &'c Runtime,
@@ -71,7 +71,7 @@ impl<'py> Call<'_, 'py> {
         Ok(ScriptResult { returned, outputs: self.collect(&outputs)?, error })
     }
 
-    /// Runs `backward_execute`, if there is one. Nothing of what it gives back counts.
+    /// Runs `backward_execute`, if it exists. Its return value is ignored.
     fn run_backward(&self) -> PyResult<ScriptResult<Handle>> {
         let (inputs, outputs) = (self.inputs()?, self.outputs()?);
         self.seat.begin(&inputs, &outputs);
@@ -118,7 +118,7 @@ impl<'py> Call<'_, 'py> {
         Ok(dict)
     }
 
-    /// A copy, or the object itself where it cannot be copied, which is reported once for each port.
+    /// A copy, or the object itself if it cannot be copied. This is reported once for each port.
     fn for_script(&self, name: &Py<PyString>, value: &Handle) -> Bound<'py, PyAny> {
         copied(self.py, value).unwrap_or_else(|error| {
             let name = name.bind(self.py).to_string_lossy();
@@ -226,7 +226,7 @@ impl<'py> Call<'_, 'py> {
         Ok(())
     }
 
-    /// A handle for what a script left in its outputs; the default's own, if it left the default there.
+    /// A handle for a value that a script left in its outputs; the handle of the default, if the script left the default.
     fn handle(&self, value: Bound<'py, PyAny>, default: &Handle) -> Handle {
         if default.is(&value) { default.clone() } else { Handle::kept(value, self.keeper) }
     }

@@ -8,7 +8,7 @@ use rafcon_protocol::{FRAME_HEAD, FrameKind, read_frame_head};
 use rafcon_storage::journal::stream::StreamReader;
 use serde_json::json;
 
-/// Reads the frames of one runner.
+/// Decodes the frames of one runner.
 #[pyclass(frozen, module = "rafcon._native")]
 #[derive(Debug)]
 pub(crate) struct RunMessages {

@@ -10,34 +10,34 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Functions and objects of `rafcon._runtime`.
 #[derive(Debug)]
 pub(crate) struct Runtime {
-    /// Makes this thread one that runs scripts.
+    /// Prepares this thread for running scripts.
     pub(crate) adopt_thread: Py<PyAny>,
     /// Loads the classes of some kinds of states.
     pub(crate) prepare: Py<PyAny>,
     /// Makes the `self` of a script.
     pub(crate) new_state: Py<PyAny>,
-    /// Tells a decider how its branches ended.
+    /// Passes the ends of its branches to a decider.
     pub(crate) set_verdicts: Py<PyAny>,
     /// The `gvm` of scripts.
     pub(crate) global_variables: Py<PyAny>,
-    /// Looks a global variable up for a default.
+    /// Reads a global variable for a default.
     pub(crate) resolve_global: Py<PyAny>,
-    /// Puts a global variable back as it was kept.
+    /// Restores a global variable from its kept value.
     pub(crate) restore_global: Py<PyAny>,
-    /// Keeps the global variables in a journal from now on.
+    /// Starts keeping the global variables in a journal.
     pub(crate) keep_globals: Py<PyAny>,
     pub(crate) note_globals: Py<PyAny>,
-    /// The type of a dotted name.
+    /// The type with a dotted name.
     pub(crate) resolve_type: Py<PyAny>,
     /// The value of a text that only Python can read.
     pub(crate) convert: Py<PyAny>,
     /// An object from the encoding of files.
     pub(crate) decode: Py<PyAny>,
-    /// `decode` for values that a client sends: plain data only, nothing is imported.
+    /// `decode` for values from clients: plain data only, without imports.
     pub(crate) decode_plain: Py<PyAny>,
-    /// An object as the protocol encodes it.
+    /// Encodes an object for the protocol.
     pub(crate) encode: Py<PyAny>,
-    /// All global variables as the protocol encodes them.
+    /// Encodes all global variables for the protocol.
     pub(crate) encode_globals: Py<PyAny>,
     /// A traceback for users.
     pub(crate) format_error: Py<PyAny>,
@@ -55,7 +55,7 @@ pub(crate) struct Runtime {
     pub(crate) state_preempted: Py<PyAny>,
     /// Replaces the configuration in force.
     pub(crate) configure: Py<PyAny>,
-    /// Sends what scripts print and log to the run.
+    /// Forwards printed and logged output of scripts to the run.
     pub(crate) install_capture: Py<PyAny>,
     /// `builtins.__dict__`
     pub(crate) builtins: Py<PyAny>,
@@ -67,7 +67,7 @@ pub(crate) struct Runtime {
     pub(crate) write_json: Py<PyAny>,
     /// Evaluates the condition of a breakpoint.
     pub(crate) check: Py<PyAny>,
-    /// An error in few words.
+    /// Short description of an error.
     pub(crate) why: Py<PyAny>,
     /// The pickle of an object.
     pub(crate) pickle: Py<PyAny>,
@@ -78,7 +78,7 @@ pub(crate) struct Runtime {
 static RUNTIME: PyOnceLock<Runtime> = PyOnceLock::new();
 
 impl Runtime {
-    /// The one there is; the first call imports it.
+    /// The single instance, imported at the first call.
     pub(crate) fn get(py: Python<'_>) -> PyResult<&Self> {
         RUNTIME.get_or_try_init(py, || Self::import(py))
     }
@@ -89,7 +89,7 @@ impl Runtime {
         self.heed_plugins(py)
     }
 
-    /// The plugins learn what is run.
+    /// Passes the launch to the plugins.
     pub(crate) fn begin_plugins(&self, py: Python<'_>, launch: &Launch) -> PyResult<()> {
         let path = |path: &Path| path.to_string_lossy().into_owned();
         let config = launch.config.as_deref().map(path);
@@ -110,7 +110,7 @@ impl Runtime {
         self.hooked.load(Ordering::Relaxed).then(|| self.hooks.bind(py))
     }
 
-    /// The built-in names that a script finds.
+    /// The built-in names for a script.
     pub(crate) fn builtins_for(&self, py: Python<'_>, text: &str) -> PyResult<Py<PyAny>> {
         if text.contains("rafcon.gui") {
             let own = self.builtins_for.call1(py, (text,))?;
