@@ -373,7 +373,7 @@ fn is_live(phase: &RunPhase) -> bool {
     matches!(phase, RunPhase::Live | RunPhase::Starting)
 }
 
-/// The first event that is still to come; of a run that is over, its end.
+/// Number of the next event to come; for an ended run, that of its end.
 fn from_now_on(now: &RunNow) -> u64 {
     let told = now.snapshot.as_ref().map(|snapshot| snapshot.disk_safe);
     if is_live(&now.run.phase) { told.unwrap_or(now.run.events) + 1 } else { now.run.events.max(1) }

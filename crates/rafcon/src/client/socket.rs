@@ -1,4 +1,4 @@
-//! The server's WebSocket as frames. Reads and writes without waiting; [`Socket::wait`] is where one waits.
+//! The server's WebSocket as frames. Reads and writes do not block; only [`Socket::wait`] does.
 
 use super::{Address, Fault, Stream};
 use rafcon_protocol::api::Refusal;
@@ -56,7 +56,7 @@ impl Socket {
         Ok(Self { socket, is_full: false })
     }
 
-    /// Says something; what does not fit now is written later.
+    /// Sends a frame. Data beyond the capacity of the socket is written later.
     pub(super) fn say(&mut self, frame: &ToServer) -> Result<(), Broken> {
         let text = serde_json::to_string(frame).map_err(|error| error.to_string())?;
         let written = self.socket.write(Message::text(text));
@@ -64,7 +64,7 @@ impl Socket {
         self.flush()
     }
 
-    /// Writes what did not fit.
+    /// Writes pending data.
     pub(super) fn flush(&mut self) -> Result<(), Broken> {
         let flushed = self.socket.flush();
         self.is_full = false;
@@ -101,7 +101,7 @@ impl Socket {
         }
     }
 
-    /// Waits until there is something to read, room to write, `wake` has something, or the time is over.
+    /// Waits until data can be read or pending data written, `wake` is readable, or the time is over.
     pub(super) fn wait(&self, wake: &impl AsFd, time: Duration) -> io::Result<()> {
         let more = if self.is_full { PollFlags::OUT } else { PollFlags::empty() };
         let socket = self.socket.get_ref().socket();
@@ -167,10 +167,10 @@ mod tests {
         let serve = move || {
             let (socket, _) = listener.accept().unwrap();
             let mut socket = tungstenite::accept(socket).unwrap();
-            // The head of a text of more bytes than the bound, by the standard of WebSockets (RFC 6455, section 5.2).
+            // Header of a text frame longer than the limit, by RFC 6455, section 5.2.
             let length = u64::try_from(FRAME_MAX + 1).unwrap().to_be_bytes();
             socket.get_mut().write_all(&[&[0x81, 127][..], &length].concat()).unwrap();
-            // Until the client has left.
+            // Wait until the client disconnects.
             drop(socket.read());
         };
         let server = thread::Builder::new().spawn(serve).unwrap();

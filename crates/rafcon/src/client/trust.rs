@@ -1,4 +1,5 @@
-//! Which certificate is accepted: one, known by its fingerprint. As with ssh, names and authorities play no part.
+//! Verification of certificates: exactly one is accepted, identified by its fingerprint. As with ssh, names and authorities
+//! are ignored.
 
 use super::Fingerprint;
 use rustls::client::danger::{HandshakeSignatureValid, ServerCertVerified, ServerCertVerifier};
@@ -7,7 +8,7 @@ use rustls::pki_types::{CertificateDer, ServerName, UnixTime};
 use rustls::{CertificateError, DigitallySignedStruct, Error, SignatureScheme};
 use std::sync::{Arc, OnceLock};
 
-/// The judge of one connection's certificate.
+/// Verifier of the certificate of one connection.
 #[derive(Debug)]
 pub(super) struct Pinned {
     trusted: Option<Fingerprint>,
@@ -26,7 +27,7 @@ impl Pinned {
         Arc::clone(&self.provider)
     }
 
-    /// The certificate that the server showed.
+    /// The certificate of the server, once received.
     pub(super) fn seen(&self) -> Option<Fingerprint> {
         self.seen.get().copied()
     }
