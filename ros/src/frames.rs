@@ -16,7 +16,7 @@ const FRAME_MAX: usize = 1 << 30;
 /// Capacity of the queue of messages for the parent, in bytes.
 const WAITING_MAX: usize = 64 << 20;
 
-/// A frame.
+/// A frame of the protocol.
 #[derive(Debug, Default)]
 pub(crate) struct Frame {
     pub(crate) text: String,

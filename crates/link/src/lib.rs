@@ -36,7 +36,7 @@ pub use frame::{
     ValueId, ValueName,
 };
 pub use heard::ClockBounds;
-pub use profile::{CARRIER_OVERHEAD, Profile};
+pub use profile::{CARRIER_OVERHEAD, Compression, Profile};
 pub use range_set::RangeSet;
 pub use robot::{
     EventBuffer, NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, Wish,

@@ -19,14 +19,27 @@ pub struct Profile {
     pub round_trip: Duration,
     /// Interval of the robot's status, with or without an up-link.
     pub status_every: Duration,
+    /// Interval of snapshots of a run that changes.
+    pub snapshot_every: Duration,
     /// New events wait for others at most this long after the datagram before.
     pub gather: Duration,
     /// New events are sent again after this time, so that one loss heals without a round trip.
     pub repeat_after: Duration,
     /// Interval of the station's reports while it receives datagrams.
     pub report_every: Duration,
-    /// True if events are compressed by the model coder. It takes some microseconds of processor time for each byte.
-    pub codes: bool,
+    /// Data that the model coder compresses.
+    pub compression: Compression,
+}
+
+/// Data that the model coder compresses. It takes some microseconds of processor time for each byte.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Compression {
+    /// Nothing: the link carries more than the coder does.
+    Nothing,
+    /// New events and snapshots.
+    New,
+    /// New events, snapshots and back-fill.
+    All,
 }
 
 const fn ms(ms: u64) -> Duration {
@@ -43,10 +56,11 @@ impl Profile {
         up_bytes_max: 1_200,
         round_trip: ms(200),
         status_every: ms(250),
+        snapshot_every: ms(250),
         gather: ms(10),
         repeat_after: ms(40),
         report_every: ms(50),
-        codes: false,
+        compression: Compression::Nothing,
     };
     /// A wireless network at the edge of its range.
     pub const WIFI: Self = Self {
@@ -54,9 +68,11 @@ impl Profile {
         down_bits_per_s: 4_000_000,
         up_bits_per_s: 1_000_000,
         round_trip: ms(1_000),
+        snapshot_every: ms(500),
         gather: ms(40),
         repeat_after: ms(100),
         report_every: ms(200),
+        compression: Compression::New,
         ..Self::LAN
     };
     /// A link to another planet as field tests imitate it: seconds of delay, little bandwidth, long blackouts.
@@ -67,10 +83,11 @@ impl Profile {
         up_bytes_max: 300,
         round_trip: ms(20_000),
         status_every: ms(500),
+        snapshot_every: ms(1_000),
         gather: ms(170),
         repeat_after: ms(240),
         report_every: ms(500),
-        codes: true,
+        compression: Compression::All,
         ..Self::LAN
     };
     /// A link of a few kilobits per second and minutes of delay.
@@ -82,11 +99,17 @@ impl Profile {
         up_bytes_max: 150,
         round_trip: ms(1_200_000),
         status_every: ms(5_000),
+        snapshot_every: ms(10_000),
         gather: ms(2_000),
         repeat_after: ms(4_000),
         report_every: ms(10_000),
-        codes: true,
+        compression: Compression::All,
     };
+    /// True if new events and snapshots are compressed.
+    pub(crate) fn codes_new(&self) -> bool {
+        self.compression >= Compression::New
+    }
+
     /// The station reports at least this often while the link is whole.
     pub fn report_idle_every(&self) -> Duration {
         self.report_every * 4

@@ -15,7 +15,7 @@ use std::fmt;
 /// Maximum bytes of the header and the tag of a datagram.
 pub const OVERHEAD: usize = SALTED_HEADER + TAG;
 
-const VERSION: u8 = 4;
+const VERSION: u8 = 5;
 /// Bytes of a full header without the salt.
 const HEADER: usize = NONCE_LEN;
 const SALTED_HEADER: usize = HEADER + 4;

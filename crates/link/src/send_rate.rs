@@ -147,7 +147,7 @@ impl SendRate {
         at(from_ms).zip(at(to_ms)).map_or(0, |(from, to)| to - from)
     }
 
-    /// Number of sends of older data by the measured losses.
+    /// Number of sends by the measured losses.
     pub(crate) fn sends(&self) -> u8 {
         self.loss.sends()
     }

@@ -41,3 +41,15 @@ fn a_value_of_two_kilobytes_in_each_round_costs_its_coded_length_twice() {
     assert!(per_event <= 300, "{per_event} bytes");
     assert!(late <= Duration::from_millis(300), "{late:?}");
 }
+
+/// The loss of a datagram is no reason for a request: what it carried is sent twice, whether it fits into a datagram with others or not.
+#[test]
+fn no_event_beside_long_ones_waits_for_a_report() {
+    let way = |lost| Conditions { lost, late: 0, doubled: 0, ..Conditions::delay_2s(256_000) };
+    let mut world =
+        World::new(&Profile::DELAY_2S, (way(2), way(0)), Duration::from_millis(200), scan_or_short);
+    world.go_on(Duration::from_secs(630));
+    let (from, to) = (Duration::from_secs(30), Duration::from_secs(620));
+    let late = world.quantile(998, from, to);
+    assert!(late <= Duration::from_millis(600), "{late:?}");
+}

@@ -138,3 +138,28 @@ fn datagrams_become_as_short_as_a_path_needs_that_drops_longer_ones() {
     let late = world.p99(secs(30), secs(60));
     assert!(late <= Duration::from_millis(300), "{late:?}");
 }
+
+/// An event of a mission: much of it repeats.
+fn mission_event(event: u64) -> Vec<u8> {
+    let state = event.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 54;
+    format!("\u{2}\u{8}entered state {state} of approach, outcome success").into_bytes()
+}
+
+#[test]
+fn new_events_are_cheap_and_not_late_although_three_of_ten_datagrams_are_lost() {
+    let way = |bits_per_s| Conditions {
+        delay: Duration::from_millis(20),
+        lost: 30,
+        late: 30,
+        ..Conditions::delay_2s(bits_per_s)
+    };
+    let ways = (way(4_000_000), way(1_000_000));
+    let mut world = World::new(&Profile::WIFI, ways, EVERY, mission_event);
+    world.go_on(secs(30));
+    let (bytes, head) = (world.down.bytes, world.head);
+    world.go_on(secs(150));
+    let per_event = (world.down.bytes - bytes) / (world.head - head);
+    let late = world.p99(secs(30), secs(140));
+    assert!(per_event <= 150, "{per_event} bytes, {late:?}");
+    assert!(late <= Duration::from_millis(400), "{late:?}");
+}

@@ -23,9 +23,9 @@ mod request_words;
 mod requests;
 mod rights;
 mod robot;
+mod sent_snapshot;
 #[cfg(test)]
 mod short_journal;
-mod snapshot_words;
 mod start;
 mod station;
 mod watch_words;

@@ -44,7 +44,7 @@ pub(crate) struct Graph {
 struct Known {
     /// Matched peers of each open reader and writer of this process.
     matched: BTreeMap<GUID, BTreeSet<GUID>>,
-    /// Nodes by process.
+    /// Nodes of each process.
     nodes: BTreeMap<Process, Vec<NamedNode>>,
     dead: BTreeSet<Process>,
     /// Known processes in the order of their discovery.

@@ -17,6 +17,8 @@ const RENEW_AFTER: usize = 8_192;
 const GIVE_UP_AFTER: usize = 65_536;
 /// Capacity for the newest events, in bytes.
 const RECENT_MAX: usize = 32_768;
+/// Kept offers: the one that is used, the one before, and the one that is offered.
+const OFFERS: usize = 3;
 /// Number of the newest groups of events that a context can end with.
 const ENDS: usize = 16;
 
@@ -70,7 +72,7 @@ pub(crate) struct Contexts {
     bytes: usize,
     /// Bytes received since the last context.
     fresh: usize,
-    offers: Offers,
+    offers: Offers<OFFERS>,
 }
 
 impl Contexts {

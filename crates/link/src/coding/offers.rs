@@ -3,12 +3,9 @@
 use super::{ContextId, ContextName};
 use std::collections::VecDeque;
 
-/// The one that is used, the one before, and the one that is offered.
-const KEPT: usize = 3;
-
-/// Offered contexts, the newest last.
+/// Offered contexts, the newest last, at most `KEPT`.
 #[derive(Debug, Default)]
-pub(super) struct Offers {
+pub(super) struct Offers<const KEPT: usize> {
     kept: VecDeque<Offer>,
 }
 
@@ -19,7 +16,7 @@ struct Offer {
     is_used: bool,
 }
 
-impl Offers {
+impl<const KEPT: usize> Offers<KEPT> {
     /// The bytes that a datagram names, which are used from now on.
     pub(super) fn find(&mut self, id: ContextId) -> Option<&[u8]> {
         let found = self.kept.iter_mut().find(|offer| offer.name.id() == id)?;
@@ -63,7 +60,7 @@ mod tests {
             by_id.insert(name.id().0, name).map(|other| [other, name])
         });
         let [first, second] = alike.unwrap();
-        let mut offers = Offers::default();
+        let mut offers = Offers::<3>::default();
         offers.push(first, b"first".to_vec());
         offers.push(second, b"second".to_vec());
         assert_eq!(offers.newest(), Some(first));

@@ -51,8 +51,8 @@ impl Default for Repetition {
 }
 
 impl Repetition {
-    /// Predicts the next bit of a byte. `known` holds its bits so far after a leading one. `None` without a prediction that
-    /// fits them.
+    /// Predicts the next bit of a byte whose first bits are `known`, after a leading one. `None` if the predicted byte has other
+    /// bits.
     pub(super) fn expects(&self, known: u32) -> Option<bool> {
         let byte = u32::from(*self.bytes.get(self.state.next).filter(|_| self.state.next > 0)?);
         let left = 7 - known.ilog2().min(7);

@@ -3,11 +3,12 @@
 use super::offers::Offers;
 use super::{CONTEXT_MAX, ContextId, ContextName, LastCoder};
 use std::collections::VecDeque;
+use std::time::Duration;
 
-/// Snapshots between two offers.
-const RENEW_AFTER: usize = 8;
-/// The same while the last offer is unused.
-const GIVE_UP_AFTER: usize = 64;
+/// Kept offers. The robot names those that were offered in the last round trip.
+const OFFERS: usize = 16;
+/// Offers in a round trip, at most: half of those that are kept, because some are late.
+const OFFERS_IN_ROUND_TRIP: u32 = 8;
 /// Capacity for snapshots that the robot sent, in bytes. The station may offer one of them.
 const SENT_MAX: usize = 256 << 10;
 
@@ -20,9 +21,8 @@ fn is_short(bytes: &[u8]) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct OfferedSnapshots {
     newest: Option<(ContextName, Vec<u8>)>,
-    /// Snapshots since the last offer.
-    fresh: usize,
-    offers: Offers,
+    offered_at: Option<Duration>,
+    offers: Offers<OFFERS>,
     coder: LastCoder,
 }
 
@@ -32,7 +32,6 @@ impl OfferedSnapshots {
         if sequence > 0 && is_short(bytes) {
             let name = ContextName::of(sequence, sequence, bytes);
             self.newest = Some((name, bytes.to_vec()));
-            self.fresh += 1;
         }
     }
 
@@ -43,11 +42,12 @@ impl OfferedSnapshots {
         self.coder.with(id, known).decode(coded, length)
     }
 
-    /// The one from which the robot may code; a newer one if there is reason to.
-    pub(crate) fn offer(&mut self) -> Option<ContextName> {
-        let is_due = self.offers.is_due(self.fresh, RENEW_AFTER, GIVE_UP_AFTER);
+    /// The one from which the robot may code: the newest, unless too many would be offered in a round trip.
+    pub(crate) fn offer(&mut self, now: Duration, round_trip: Duration) -> Option<ContextName> {
+        let every = round_trip / OFFERS_IN_ROUND_TRIP;
+        let is_due = self.offered_at.is_none_or(|at| now >= at + every);
         if is_due && let Some((name, bytes)) = self.newest.take() {
-            self.fresh = 0;
+            self.offered_at = Some(now);
             self.offers.push(name, bytes);
         }
         self.offers.newest()

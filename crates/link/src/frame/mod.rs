@@ -222,7 +222,7 @@ pub(crate) enum Frame<'b> {
     },
     /// Events of a run at the station.
     Received(Received),
-    /// Requests of a station for values, and their answers.
+    /// A request of a station for values, or the reply.
     Wish(WishFrame<'b>),
 }
 

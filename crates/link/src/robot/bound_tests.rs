@@ -10,7 +10,7 @@ use crate::frame::{
     CommandId, CommandState, Events, Frame, StreamId, Terms, ValueId, ValuePart, WatchPart,
     WishFrame,
 };
-use crate::profile::Profile;
+use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, OVERHEAD, PairingKey, SenderStart};
 use crate::station::StationSession;
 use std::time::Duration;
@@ -120,7 +120,7 @@ fn wishes_beyond_the_bound_do_not_count_and_come_again() {
 
 #[test]
 fn the_newest_events_are_at_hand_up_to_so_many_bytes() {
-    let mut tail = Tail::default();
+    let mut tail = Tail::new(RUN);
     let mut append = |first, bytes: usize| {
         let items = vec![7; bytes];
         tail.append(&Events { stream: RUN, first, count: 1, t_before: 0, items: &items });
@@ -150,7 +150,7 @@ impl RunSource for LongEvents {
 #[test]
 fn events_of_any_length_arrive_whether_they_are_at_hand_or_in_the_journal() {
     let key = PairingKey::from_bytes([7; 32]);
-    let profile = Profile { codes: false, ..Profile::LAN };
+    let profile = Profile { compression: Compression::Nothing, ..Profile::LAN };
     let room = profile.down_bytes_max - OVERHEAD - URGENT_MAX;
     let most = Events::items_max(room, 1, 0);
     // The second sum is more than is kept at hand.

@@ -4,6 +4,7 @@ use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::coding::{CONTEXT_MAX, ContextName, LastCoder, PLAIN_MAX};
 use crate::frame::{Events, Frame, StreamId};
+use crate::profile::Compression;
 
 /// Assumed compression ratio before the first measurement, in 16ths.
 const FIRST_RATIO: usize = 24;
@@ -53,9 +54,14 @@ impl Coding {
         }
     }
 
-    /// True if events are compressed. A station without reports may have restarted and lost its contexts.
-    pub(super) fn is_used(&self, turn: TransmitContext<'_>) -> bool {
-        turn.is_heard && turn.profile.codes && self.used.is_some()
+    /// True if back-fill is compressed.
+    pub(super) fn is_used_for_backfill(&self, turn: TransmitContext<'_>) -> bool {
+        turn.profile.compression == Compression::All && self.is_used(turn)
+    }
+
+    /// True if new events are compressed. A station without reports may have restarted and lost its contexts.
+    fn is_used(&self, turn: TransmitContext<'_>) -> bool {
+        turn.is_heard && turn.profile.codes_new() && self.used.is_some()
     }
 
     /// Estimates the bytes of items that fit into this many coded bytes.

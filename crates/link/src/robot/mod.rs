@@ -61,7 +61,7 @@ pub struct ReceivedCommand {
     pub epoch: u64,
     /// The last moment at which it may be carried out, in ms of this session.
     pub not_after_ms: u64,
-    /// Earliest time of effect on the same clock. 0 without one.
+    /// Earliest time of effect on the same clock, or 0.
     pub not_before_ms: u64,
     /// It came too late, or was for an earlier start: it must not be carried out, and only its fate is asked for.
     pub is_late: bool,
@@ -154,7 +154,7 @@ impl RobotSession {
         self.watched.forget(stream);
     }
 
-    /// True if the station has reported a stream as over and complete, and has heard the hash of its events if one is set.
+    /// True if the station has reported a stream as over and complete, and has received the hash of its events if one is set.
     pub fn is_complete(&self, stream: StreamId) -> bool {
         self.streams.get(&stream).is_some_and(Outgoing::is_complete)
     }
@@ -367,6 +367,8 @@ impl RobotSession {
         if let (Some((newest_ms, arrived_ms)), Some((bytes, longest))) = (newest, arrived) {
             let arrivals = Arrivals { bytes, at_ms, newest_ms, arrived_ms };
             self.rate.report(now, arrivals, self.report_age.unwrap_or_default());
+            let sends = self.rate.sends();
+            self.streams.values_mut().for_each(|stream| stream.set_sends(sends));
             let late_ms = echo.map_or(0, |(_, late_ms)| late_ms);
             let longest = usize::try_from(longest).unwrap_or(usize::MAX);
             if self.end.path.report(now, longest, newest_ms.saturating_sub(late_ms)) {
@@ -467,13 +469,7 @@ impl RobotSession {
         self.write_states(now, room, &mut payload);
         self.incomplete.write(now, self.profile.repeat_after, room, &mut payload);
         self.write_offer(now, &mut payload);
-        let turn = TransmitContext {
-            now,
-            profile: &self.profile,
-            is_heard,
-            room,
-            sends: self.rate.sends(),
-        };
+        let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
         let was_silent = self.alive_at() <= now;
         let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {

@@ -6,6 +6,7 @@ use super::source::{EventBuffer, RunSource};
 use super::tail::{self, Tail};
 use crate::assembly::PART_MIN;
 use crate::frame::{EventHash, Events, Frame, Received, StreamId};
+use crate::loss_rate::LossRate;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use std::collections::VecDeque;
@@ -20,6 +21,8 @@ const SNAPSHOT_LOST: u64 = 64;
 const DESCRIPTION_PARTS: RangeInclusive<u64> = 1..=16;
 /// Without reports, the beginning of a description is sent once in this many report intervals.
 const DESCRIPTION_EVERY: u32 = 16;
+/// Older events are repeated after this part of the interval in which new ones are.
+const REPEAT_PART: u32 = 4;
 /// Retry interval for events that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
 
@@ -34,6 +37,13 @@ struct SentEvents {
     is_coded: bool,
 }
 
+impl SentEvents {
+    /// Earliest time of the repetition. It is in another datagram than the events, which a burst of losses may drop.
+    fn repeat_at(&self, profile: &Profile) -> Duration {
+        self.at + profile.repeat_after / REPEAT_PART
+    }
+}
+
 /// Conditions under which a datagram is written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TransmitContext<'p> {
@@ -43,8 +53,6 @@ pub(super) struct TransmitContext<'p> {
     pub(super) is_heard: bool,
     /// The longest payload.
     pub(super) room: usize,
-    /// Number of times that older events are sent while the rate allows it, to repair losses without a round trip.
-    pub(super) sends: u8,
 }
 
 /// A run on its way to the station.
@@ -77,6 +85,8 @@ pub(super) struct Outgoing {
     snapshots: Snapshots,
     large: Option<(EventBuffer, usize)>,
     coding: Coding,
+    /// Number of times that events are sent to repair losses without a round trip.
+    sends: u8,
     /// True if a report is requested before the first events.
     asks: Asks,
 }
@@ -126,7 +136,7 @@ impl Outgoing {
             is_state_new: false,
             chain: None,
             chain_told: ChainTold::No,
-            tail: Tail::default(),
+            tail: Tail::new(id),
             shown_at: None,
             status_at: None,
             received: RangeSet::default(),
@@ -138,6 +148,7 @@ impl Outgoing {
             snapshots: Snapshots::new(),
             large: None,
             coding: Coding::default(),
+            sends: LossRate::default().sends(),
             asks: Asks::No,
         }
     }
@@ -149,11 +160,21 @@ impl Outgoing {
 
     /// Datagrams have become shorter: events that do not fit into one are sent in parts, from the journal.
     pub(super) fn datagrams_shortened(&mut self) {
-        self.tail = Tail::default();
+        self.tail = Tail::new(self.id);
     }
 
     pub(super) fn set_description(&mut self) {
         self.content = Content::Description;
+    }
+
+    /// The losses need this number of sends.
+    pub(super) fn set_sends(&mut self, sends: u8) {
+        self.sends = sends;
+    }
+
+    /// Number of times that new events are sent.
+    fn tail_sends(&self, is_heard: bool) -> u8 {
+        if is_heard { self.sends } else { self.sends.max(tail::SENDS_UNHEARD) }
     }
 
     /// Until when the answer is waited for.
@@ -166,7 +187,7 @@ impl Outgoing {
 
     pub(super) fn advance(&mut self, head: u64) {
         if head > self.head {
-            (self.head, self.tail) = (head, Tail::default());
+            (self.head, self.tail) = (head, Tail::new(self.id));
         }
     }
 
@@ -177,8 +198,13 @@ impl Outgoing {
         if continues && fits {
             self.tail.append(events);
         } else {
-            // Events that are missing here or too long are read from the journal.
-            self.tail = Tail::default();
+            // Events that are missing here or too long are read from the journal, and those before them are repeated from there.
+            let unrepeated = self.tail.unrepeated(self.sends);
+            for sent in &mut self.sent {
+                let is_among = unrepeated.is_some_and(|first| *sent.range.end() >= first);
+                sent.repeats = sent.repeats.max(u8::from(is_among));
+            }
+            self.tail = Tail::new(self.id);
         }
     }
 
@@ -238,7 +264,7 @@ impl Outgoing {
             self.chain_told = ChainTold::Yes;
         }
         // Earlier events without a report are lost. A repetition may still repair the newest of them.
-        let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(tail::SENDS);
+        let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(self.sends);
         let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
         let (before, unreported) = (self.sent.len(), &self.received);
         self.sent.retain(|sent| !unreported.contains(&sent.range));
@@ -290,7 +316,7 @@ impl Outgoing {
             }
             _ => Duration::ZERO,
         };
-        self.tail.due_at(profile, is_heard).min(status)
+        self.tail.due_at(profile, self.tail_sends(is_heard)).min(status)
     }
 
     /// Writes the status and the newest events if they are due. Returns whether it wrote the status.
@@ -300,7 +326,7 @@ impl Outgoing {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) -> bool {
-        let TransmitContext { now, profile, is_heard, room, .. } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         if self.urgent_at(profile, is_heard) > now {
             return false;
         }
@@ -333,7 +359,9 @@ impl Outgoing {
     }
 
     fn write_tail(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) {
-        let Some(written) = self.tail.write(self.id, turn, &mut self.coding, payload) else {
+        let sends_max = self.tail_sends(turn.is_heard);
+        let written = self.tail.write(sends_max, turn, &mut self.coding, payload);
+        let Some(written) = written else {
             return;
         };
         self.shown_at = Some(turn.now);
@@ -376,9 +404,10 @@ impl Outgoing {
 
     /// When something of the lower queues is due.
     pub(super) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
-        let is_repeated = is_heard && self.sent.iter().any(|sent| sent.repeats > 0);
-        let is_lacking = is_repeated || self.large.is_some() || self.gap().is_some();
-        let events = if is_lacking { self.read_again_at } else { Duration::MAX };
+        let is_lacking = self.large.is_some() || self.gap().is_some();
+        let lacking = if is_lacking { Duration::ZERO } else { Duration::MAX };
+        let repeated = if is_heard { self.repeated_at(profile) } else { Duration::MAX };
+        let events = lacking.min(repeated).max(self.read_again_at);
         let round = if self.has_rounds(is_heard) { self.round_due } else { Duration::MAX };
         let snapshot = self.snapshots.alone_at(is_heard, profile);
         let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
@@ -406,9 +435,9 @@ impl Outgoing {
             if is_round_due && self.gap().is_none() {
                 self.begin_round(turn);
             }
-            let repeated = || self.repeated().filter(|_| is_heard);
+            let repeated = || self.repeated(now, profile).filter(|_| is_heard);
             // Files are never urgent.
-            let sends = if self.id.is_files() { 1 } else { turn.sends };
+            let sends = if self.id.is_files() { 1 } else { self.sends };
             let gap = self.gap().map(|gap| (gap, sends));
             let Some((range, repeats)) = gap.or_else(repeated) else { return };
             let Some(written) = self.write_old(turn, &range, source, payload) else { return };
@@ -450,7 +479,7 @@ impl Outgoing {
         if coded_max < PART_MIN {
             return None;
         }
-        let is_coded = self.coding.is_used(turn);
+        let is_coded = self.coding.is_used_for_backfill(turn);
         let mut items_max = if is_coded { self.coding.items_max(coded_max) } else { coded_max };
         loop {
             let Some(buffer) = source.events(self.id, *range.start(), *range.end(), items_max)
@@ -483,10 +512,17 @@ impl Outgoing {
         }
     }
 
+    /// When events are repeated without a report.
+    fn repeated_at(&self, profile: &Profile) -> Duration {
+        let repeated = self.sent.iter().filter(|sent| sent.repeats > 0);
+        repeated.map(|sent| sent.repeat_at(profile)).min().unwrap_or(Duration::MAX)
+    }
+
     /// Next events to repeat without a report: the least repeated, and the newest of these, because the oldest are reported
     /// first.
-    fn repeated(&self) -> Option<(RangeInclusive<u64>, u8)> {
-        let sent = self.sent.iter().enumerate().filter(|(_, sent)| sent.repeats > 0);
+    fn repeated(&self, now: Duration, profile: &Profile) -> Option<(RangeInclusive<u64>, u8)> {
+        let is_due = |sent: &SentEvents| sent.repeats > 0 && sent.repeat_at(profile) <= now;
+        let sent = self.sent.iter().enumerate().filter(|(_, sent)| is_due(sent));
         let (_, sent) = sent.max_by_key(|(place, sent)| (sent.repeats, *place))?;
         Some((sent.range.clone(), sent.repeats))
     }

@@ -94,7 +94,7 @@ impl Snapshots {
         let bits = self.parts.as_ref().map_or(0, |parts| parts.deflated.len() as u64 * 8);
         let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));
         let every = match is_heard {
-            true if self.need == Need::Newer => (takes * 4).max(profile.status_every),
+            true if self.need == Need::Newer => (takes * 4).max(profile.snapshot_every),
             true => profile.status_every * STATUSES,
             false => (takes * 2).max(EVERY),
         };
@@ -109,7 +109,7 @@ impl Snapshots {
         source: &mut impl RunSource,
         payload: &mut Vec<u8>,
     ) {
-        let TransmitContext { now, profile, is_heard, room, .. } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         let is_alone = payload.len() <= EMPTY_MAX;
         let due_at = if is_alone { Self::alone_at } else { Self::due_at };
         if due_at(self, is_heard, profile) > now {
@@ -167,7 +167,7 @@ impl Snapshots {
         turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) {
-        let TransmitContext { now, profile, is_heard, room, .. } = turn;
+        let TransmitContext { now, profile, is_heard, room } = turn;
         let Some(Parts { sequence, plain, deflated, sent, rounds }) = &mut self.parts else {
             return;
         };
@@ -187,7 +187,7 @@ impl Snapshots {
         *sent += part.len();
         if *sent >= deflated.len() {
             (*sent, *rounds) = (0, *rounds + 1);
-            if *rounds == 1 && profile.codes {
+            if *rounds == 1 && profile.codes_new() {
                 self.sent.note(sequence, std::mem::take(plain));
             }
         }

@@ -11,14 +11,13 @@ use std::time::Duration;
 
 /// Capacity for the newest events, in bytes.
 const BYTES_MAX: usize = 4_096;
-/// Number of times that new events are sent while reports arrive.
-pub(super) const SENDS: u8 = 2;
-/// The same without reports.
-const SENDS_UNHEARD: u8 = 3;
+/// Number of times that new events are sent without reports.
+pub(super) const SENDS_UNHEARD: u8 = 3;
 
 /// The newest events, without gaps up to the last one of the run.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Tail {
+    stream: StreamId,
     events: VecDeque<TailEvents>,
     bytes: usize,
     /// When any of them were sent, and when any for the first time.
@@ -42,6 +41,11 @@ pub(super) struct WrittenTail {
 }
 
 impl Tail {
+    pub(super) fn new(stream: StreamId) -> Self {
+        let (sent_at, new_sent_at) = (None, None);
+        Self { stream, events: VecDeque::new(), bytes: 0, sent_at, new_sent_at, is_cut: false }
+    }
+
     /// The next events of the run, which fit into one datagram.
     pub(super) fn append(&mut self, events: &Events<'_>) {
         let Events { first, count, t_before, items, .. } = *events;
@@ -67,6 +71,12 @@ impl Tail {
         unsent.map(|events| events.events.first)
     }
 
+    /// The first event with at least one send and fewer than `sends_max`.
+    pub(super) fn unrepeated(&self, sends_max: u8) -> Option<u64> {
+        let found = self.events.iter().find(|events| (1..sends_max).contains(&events.sends));
+        found.map(|events| events.events.first)
+    }
+
     /// Makes the events after this one due again.
     pub(super) fn send_again_after(&mut self, sequence: u64) {
         for events in self.events.iter_mut().filter(|events| events.events.first > sequence) {
@@ -74,10 +84,10 @@ impl Tail {
         }
     }
 
-    /// When events are due; never if all were sent often enough.
-    pub(super) fn due_at(&self, profile: &Profile, is_heard: bool) -> Duration {
+    /// Time of the next send. Each event is sent `sends_max` times.
+    pub(super) fn due_at(&self, profile: &Profile, sends_max: u8) -> Duration {
         let sends = self.events.iter().map(|events| events.sends).min();
-        match sends.filter(|least| *least < sends_wanted(is_heard)) {
+        match sends.filter(|least| *least < sends_max) {
             None => Duration::MAX,
             Some(_) if self.is_cut => Duration::ZERO,
             Some(0) => self.new_sent_at.map_or(Duration::ZERO, |sent| sent + profile.gather),
@@ -85,16 +95,15 @@ impl Tail {
         }
     }
 
-    /// Writes the events that were not sent often enough, and those after them, as far as they fit.
+    /// Writes the events with fewer than `sends_max` sends, and those after them, as far as they fit.
     pub(super) fn write(
         &mut self,
-        stream: StreamId,
+        sends_max: u8,
         turn: TransmitContext<'_>,
         coding: &mut Coding,
         payload: &mut Vec<u8>,
     ) -> Option<WrittenTail> {
-        let wanted = sends_wanted(turn.is_heard);
-        let from = self.events.iter().position(|events| events.sends < wanted)?;
+        let from = self.events.iter().position(|events| events.sends < sends_max)?;
         let head = self.events.back()?.events.last();
         let EventBuffer { first, t_before, .. } = self.events[from].events;
         let left = Events::items_max(turn.room.saturating_sub(payload.len()), head, t_before);
@@ -113,6 +122,7 @@ impl Tail {
             last = Some(events.last());
         }
         let last = last?;
+        let stream = self.stream;
         let events = Events { stream, first, count: last - first + 1, t_before, items: &items };
         let is_coded = coding.write_uncut(&events, turn, payload);
         self.sent_at = Some(turn.now);
@@ -121,8 +131,4 @@ impl Tail {
         }
         Some(WrittenTail { new: new.map(|new| new..=last), is_coded })
     }
-}
-
-fn sends_wanted(is_heard: bool) -> u8 {
-    if is_heard { SENDS } else { SENDS_UNHEARD }
 }

@@ -3,7 +3,7 @@
 use super::{EventBuffer, Rank, RobotSession, RunSource};
 use crate::endpoint::Identity;
 use crate::frame::{EventHash, Events, StreamId};
-use crate::profile::Profile;
+use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use expect_test::expect;
@@ -106,7 +106,7 @@ fn no_datagram_is_longer_than_the_profile_says() {
     let (key_id, start) = (KeyId(1), SenderStart::new(u32::MAX, 0));
     let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
     let mut profile = Profile::LAN;
-    (profile.down_bytes_max, profile.codes) = (300, false);
+    (profile.down_bytes_max, profile.compression) = (300, Compression::Nothing);
     let now = Duration::from_hours(200);
     for length in 0..260 {
         let mut station = StationSession::new(&identity, profile.clone());
@@ -321,11 +321,11 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
 
 #[test]
 fn a_snapshot_is_coded_from_one_that_the_station_has() {
-    let plain = Profile { codes: false, ..Profile::DELAY_2S };
+    let plain = Profile { compression: Compression::Nothing, ..Profile::DELAY_2S };
     let all = [plain, Profile::DELAY_2S].map(|profile| format!("{:?}", twenty_seconds(&profile)));
     expect![[r"
-        ([5526, 3544, 3558, 3530], 43)
-        ([4071, 665, 2120, 678], 38)"]]
+        ([4478, 1772, 1776, 1764], 26)
+        ([3899, 292, 1189, 307], 24)"]]
     .assert_eq(&all.join("\n"));
 }
 

@@ -534,7 +534,7 @@ impl StationSession {
         bytes: Vec<u8>,
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
-        let codes = self.profile.codes;
+        let codes = self.profile.codes_new();
         let Some(incoming) = self.incoming(stream) else { return };
         if sequence < incoming.snapshot_sequence {
             return;
@@ -596,7 +596,7 @@ impl StationSession {
     }
 
     fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
-        let codes = self.profile.codes;
+        let codes = self.profile.codes_new();
         self.has_news = true;
         if self.touch_settled(events.stream, events.last()) {
             return;
@@ -796,8 +796,9 @@ impl StationSession {
             return;
         }
         self.write_settled(payload.len() + (room - payload.len()) / 2, payload);
-        let (from, codes) = (self.report_from, self.profile.codes);
+        let (from, codes) = (self.report_from, self.profile.codes_new());
         self.report_from = StreamId(0);
+        let round_trip = self.round_trip.unwrap_or(self.profile.round_trip);
         let streams: Vec<_> = self.streams.open.keys().copied().collect();
         let begin = streams.partition_point(|stream| *stream < from);
         for stream in streams[begin..].iter().chain(&streams[..begin]) {
@@ -812,7 +813,7 @@ impl StationSession {
             let events = incoming.received.clone();
             let is_coded = codes && !is_complete;
             let context = if is_coded { incoming.contexts.offer() } else { None };
-            let snapshot = if is_coded { incoming.snapshots.offer() } else { None };
+            let snapshot = is_coded.then(|| incoming.snapshots.offer(now, round_trip)).flatten();
             let Incoming { safe, is_over, .. } = *incoming;
             let received = Received { stream: *stream, is_over, safe, events, context, snapshot };
             Frame::Received(received).write(payload);

@@ -132,14 +132,19 @@ impl World {
         let _doubled = self.station.receive(now, datagram, show);
     }
 
-    /// The longest delay of the 99 % fastest events of this time, beyond that of the link. An event counts when it first arrived.
+    /// The longest delay of the 99 % fastest events of this time, beyond that of the link.
     pub(crate) fn p99(&self, from: Duration, to: Duration) -> Duration {
+        self.quantile(990, from, to)
+    }
+
+    /// The longest delay of this share of the fastest events of this time, beyond that of the link. An event counts when it first arrived.
+    pub(crate) fn quantile(&self, per_mille: usize, from: Duration, to: Duration) -> Duration {
         let mut delays = BTreeMap::new();
         for (at, delay) in self.delays.iter().filter(|(at, _)| (from..to).contains(at)) {
             delays.entry(*at).or_insert(*delay);
         }
         let mut delays: Vec<_> = delays.into_values().collect();
         delays.sort();
-        delays[delays.len() * 99 / 100].saturating_sub(self.down.conditions().delay)
+        delays[delays.len() * per_mille / 1_000].saturating_sub(self.down.conditions().delay)
     }
 }

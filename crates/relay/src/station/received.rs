@@ -3,7 +3,7 @@
 use super::disk::OpenRun;
 use super::viewers::Shared;
 use crate::words::ReportedRunState;
-use crate::{snapshot_words, watch_words};
+use crate::{sent_snapshot, watch_words};
 use rafcon_link::{
     CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
 };
@@ -45,7 +45,7 @@ impl Received {
                 Self::Stands(stream, reported, chain.map(|chain| (at_ms, chain)))
             }
             FromRobot::Snapshot { stream, bytes, .. } => {
-                Self::Snapshot(stream, Box::new(snapshot_words::read(&bytes)?))
+                Self::Snapshot(stream, Box::new(sent_snapshot::read(&bytes)?))
             }
             FromRobot::CommandState { id, state, reason } => {
                 Self::State(id, state, String::from_utf8_lossy(reason).into_owned())

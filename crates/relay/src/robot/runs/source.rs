@@ -3,7 +3,7 @@
 use super::RobotRuns;
 use crate::ids;
 use crate::meter::millis;
-use crate::snapshot_words;
+use crate::sent_snapshot;
 use crate::words::RunFate;
 use rafcon_link::{EventBuffer, LENGTH_MAX, RunSource, StreamId, ValueName};
 use rafcon_storage::journal::EventItems;
@@ -41,7 +41,7 @@ impl RunSource for RobotRuns {
         // The runner sends changes only, so that the elapsed time is added.
         let since_ms =
             if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
-        Some((snapshot.sequence, snapshot_words::write(snapshot, since_ms)?))
+        Some((snapshot.sequence, sent_snapshot::write(snapshot, since_ms)?))
     }
 
     fn value_length(&mut self, value: &ValueName) -> Option<u64> {
