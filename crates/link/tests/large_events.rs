@@ -53,3 +53,60 @@ fn no_event_beside_long_ones_waits_for_a_report() {
     let late = world.quantile(998, from, to);
     assert!(late <= Duration::from_millis(600), "{late:?}");
 }
+
+/// Bytes that no coder shortens, six datagrams of them in every tenth event.
+fn noise_or_short(event: u64) -> Vec<u8> {
+    let hash = |nth: u64| (event * 1_024 + nth).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mixed = |nth: u64| (hash(nth) ^ hash(nth) >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let words = if event.is_multiple_of(10) { NOISE / 8 } else { 2 };
+    (0..words).flat_map(|nth| mixed(nth).to_be_bytes()).collect()
+}
+
+const NOISE: u64 = 6_400;
+
+#[test]
+fn of_a_long_event_only_the_lost_parts_are_sent_again() {
+    let way = |bits_per_s| Conditions {
+        delay: Duration::from_millis(300),
+        lost: 20,
+        ..Conditions::delay_2s(bits_per_s)
+    };
+    let ways = (way(1_000_000), way(100_000));
+    let every = Duration::from_millis(200);
+    let mut world = World::new(&Profile::WIFI, ways, every, noise_or_short);
+    world.go_on(Duration::from_secs(20));
+    let (bytes, head) = (world.down.bytes, world.head);
+    world.go_on(Duration::from_mins(2));
+    let long = (world.head - head) / 10;
+    let per_long = (world.down.bytes - bytes) / long;
+    // Sent once, repaired twice or thrice, and nine short events beside it.
+    assert!(per_long <= 16_000, "{per_long} bytes for each long event");
+    let (from, to) = (Duration::from_secs(20), Duration::from_secs(110));
+    let late = world.quantile(890, from, to);
+    assert!(late <= Duration::from_millis(400), "{late:?} for short events");
+    let late = world.quantile(999, from, to);
+    assert!(late <= Duration::from_secs(5), "{late:?} for long ones");
+}
+
+/// A long text, each like the one before.
+fn texts(event: u64) -> Vec<u8> {
+    let line = |nth| format!("reading {nth} of round {}: {}\n", event / 10, (event + nth) % 7);
+    if event.is_multiple_of(10) {
+        (0..200).map(line).collect::<String>().into_bytes()
+    } else {
+        vec![1; 9]
+    }
+}
+
+#[test]
+fn a_long_event_is_sent_in_its_packed_length() {
+    for profile in [Profile::LAN, Profile::WIFI, Profile::DELAY_2S] {
+        let way = || Conditions::delay_2s(256_000);
+        let mut world = World::new(&profile, (way(), way()), Duration::from_millis(300), texts);
+        world.go_on(Duration::from_mins(1));
+        let (bytes, head) = (world.down.bytes, world.head);
+        world.go_on(Duration::from_mins(3));
+        let per_round = (world.down.bytes - bytes) / ((world.head - head) / 10);
+        assert!(per_round <= 3_000, "{}: {per_round} bytes for 6 kB", profile.name);
+    }
+}

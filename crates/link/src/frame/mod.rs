@@ -1,15 +1,18 @@
 //! Content of an opened datagram: the time of its sender, then frames. `docs/link.md` defines the format.
 
 mod command;
+mod received;
 mod wishes;
 
 pub(crate) use command::{Body, Command, CommandPart, PartsHere, Terms};
 pub use command::{BriefId, COMMAND_LENGTH_MAX, CommandId};
+pub(crate) use received::{PartialEvent, Received};
+use received::{RECEIVED, read_ranges, read_received, write_ranges, write_received};
 pub(crate) use wishes::{Fetch, ValuePart, WatchPart, Watched, WishFrame};
 pub use wishes::{NoValue, ValueId, ValueName};
 
 use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
-use crate::coding::{ContextId, ContextName};
+use crate::coding::ContextId;
 use crate::range_set::RangeSet;
 use crate::seal::{Generation, KeyId, PairingKey};
 
@@ -88,21 +91,19 @@ impl CommandState {
         [Self::Received, Self::Started, Self::Done, Self::Refused, Self::Expired];
 }
 
-/// Events of one run at a station.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Received {
-    /// The run.
-    pub(crate) stream: StreamId,
-    /// True if the station has received the end of the run.
-    pub(crate) is_over: bool,
-    /// All events up to this one are on the station's disk.
-    pub(crate) safe: u64,
-    /// Which events it has received, the newest ranges if they are many.
-    pub(crate) events: RangeSet,
-    /// From which events a coder may learn.
-    pub(crate) context: Option<ContextName>,
-    /// From which snapshot a coder of snapshots may learn: the number of its event is the first and the last.
-    pub(crate) snapshot: Option<ContextName>,
+/// Packing of the items of an event that is sent in parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Packing {
+    #[default]
+    Plain,
+    Deflated,
+    /// By the model coder.
+    Coded {
+        /// Context that decodes the items.
+        context: ContextId,
+        /// Length of the items in bytes.
+        length: u32,
+    },
 }
 
 /// A part of a datagram.
@@ -158,7 +159,7 @@ pub(crate) enum Frame<'b> {
         /// The coded bytes.
         bytes: &'b [u8],
     },
-    /// A part of events that do not fit into one datagram.
+    /// A part of an event that does not fit into one datagram.
     Large {
         /// The run.
         stream: StreamId,
@@ -166,7 +167,9 @@ pub(crate) enum Frame<'b> {
         first: u64,
         /// The time of the event before it, in ns.
         t_before: u64,
-        /// The length of all its items, in bytes.
+        /// Packing of the items.
+        packing: Packing,
+        /// The length of all its packed items, in bytes.
         length: u32,
         /// Offset of this part in bytes.
         offset: u32,
@@ -236,7 +239,6 @@ const CODED_SNAPSHOT: u8 = 7;
 const NEW_KEY: u8 = 11;
 const CODED: u8 = 12;
 const HEARD: u8 = 17;
-const RECEIVED: u8 = 18;
 const ARRIVED: u8 = 24;
 /// Capacity of a report, in ranges.
 pub(crate) const RANGES_MAX: usize = 16;
@@ -277,9 +279,10 @@ impl<'b> Frame<'b> {
                 let of = [u64::from(stream.0), *sequence, u64::from(*length)];
                 write_coded((CODED_SNAPSHOT, *context), &of, bytes, out);
             }
-            Self::Large { stream, first, t_before, length, offset, bytes } => {
+            Self::Large { stream, first, t_before, packing, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
                 numbers(LARGE, &[u64::from(stream.0), *first, *t_before, place[0], place[1]]);
+                packing.write(out);
                 write_bytes(bytes, out);
             }
             Self::CommandState { id, state, reason } => {
@@ -335,8 +338,10 @@ impl<'b> Frame<'b> {
                 let (stream, first) = (StreamId(reader.small()?), reader.number()?);
                 check_numbers(first, 1)?;
                 let t_before = reader.number()?;
-                let (length, offset, bytes) = read_part(reader)?;
-                Self::Large { stream, first, t_before, length, offset, bytes }
+                let (length, offset) = (reader.small()?, reader.small()?);
+                let packing = Packing::read(reader)?;
+                let bytes = read_part_bytes(reader, length, offset)?;
+                Self::Large { stream, first, t_before, packing, length, offset, bytes }
             }
             COMMAND_STATE => {
                 let id = CommandId(reader.fixed()?);
@@ -414,89 +419,44 @@ fn read_numbers<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFr
 
 /// Length of the whole, offset and bytes of a part.
 fn read_part<'b>(reader: &mut FrameReader<'b>) -> Result<(u32, u32, &'b [u8]), BrokenFrame> {
-    let (length, offset, bytes) = (reader.small()?, reader.small()?, reader.bytes()?);
+    let (length, offset) = (reader.small()?, reader.small()?);
+    Ok((length, offset, read_part_bytes(reader, length, offset)?))
+}
+
+fn read_part_bytes<'b>(
+    reader: &mut FrameReader<'b>,
+    length: u32,
+    offset: u32,
+) -> Result<&'b [u8], BrokenFrame> {
+    let bytes = reader.bytes()?;
     let end = u64::from(offset) + bytes.len() as u64;
     if end > u64::from(length) {
         return Err(BrokenFrame("a part reaches beyond its whole"));
     }
-    Ok((length, offset, bytes))
+    Ok(bytes)
 }
 
-/// The newest ranges, each as the distance from the end of the one before, and its length.
-fn write_received(received: &Received, out: &mut Vec<u8>) {
-    out.push(RECEIVED);
-    let (stream, is_over) = (u64::from(received.stream.0), u64::from(received.is_over));
-    for number in [stream, is_over, received.safe] {
-        write_number(number, out);
+impl Packing {
+    fn write(self, out: &mut Vec<u8>) {
+        match self {
+            Self::Plain => out.push(0),
+            Self::Deflated => out.push(1),
+            Self::Coded { context, length } => {
+                out.push(2);
+                out.extend_from_slice(&context.0);
+                write_number(u64::from(length), out);
+            }
+        }
     }
-    write_ranges(&received.events, out);
-    let Received { context, snapshot, .. } = received;
-    write_number(u64::from(context.is_some()) | u64::from(snapshot.is_some()) << 1, out);
-    if let Some(ContextName { first, last, hash }) = context {
-        write_number(*first, out);
-        write_number(*last, out);
-        out.extend_from_slice(hash);
-    }
-    if let Some(ContextName { last, hash, .. }) = snapshot {
-        write_number(*last, out);
-        out.extend_from_slice(hash);
-    }
-}
 
-fn write_ranges(set: &RangeSet, out: &mut Vec<u8>) {
-    let contiguous = set.contiguous();
-    let ahead = set.ranges().filter(|range| *range.start() > 1);
-    let mut ahead: Vec<_> = ahead.rev().take(RANGES_MAX).collect();
-    ahead.reverse();
-    for number in [contiguous, ahead.len() as u64] {
-        write_number(number, out);
+    fn read(reader: &mut FrameReader<'_>) -> Result<Self, BrokenFrame> {
+        match reader.byte()? {
+            0 => Ok(Self::Plain),
+            1 => Ok(Self::Deflated),
+            2 => Ok(Self::Coded { context: ContextId(reader.fixed()?), length: reader.small()? }),
+            _ => Err(BrokenFrame("an unknown packing of an event")),
+        }
     }
-    let mut end = contiguous;
-    for range in ahead {
-        write_number(range.start() - end, out);
-        write_number(range.end() - range.start(), out);
-        end = *range.end();
-    }
-}
-
-fn read_received(reader: &mut FrameReader<'_>) -> Result<Received, BrokenFrame> {
-    let (stream, is_over) = (StreamId(reader.small()?), read_flag(reader)?);
-    let (safe, events) = (reader.number()?, read_ranges(reader)?);
-    let offers = reader.number()?;
-    if offers > 3 {
-        return Err(BrokenFrame("unknown offers"));
-    }
-    let context = (offers & 1 != 0).then(|| read_context(reader)).transpose()?;
-    let snapshot = (offers & 2 != 0).then(|| read_snapshot_name(reader)).transpose()?;
-    Ok(Received { stream, is_over, safe, events, context, snapshot })
-}
-
-fn read_snapshot_name(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
-    let sequence = reader.number()?;
-    Ok(ContextName { first: sequence, last: sequence, hash: reader.fixed()? })
-}
-
-fn read_context(reader: &mut FrameReader<'_>) -> Result<ContextName, BrokenFrame> {
-    let (first, last) = (reader.number()?, reader.number()?);
-    if first == 0 || first > last {
-        return Err(BrokenFrame("impossible numbers of events"));
-    }
-    Ok(ContextName { first, last, hash: reader.fixed()? })
-}
-
-fn read_ranges(reader: &mut FrameReader<'_>) -> Result<RangeSet, BrokenFrame> {
-    let (contiguous, count) = (reader.number()?, reader.number()?);
-    if count > RANGES_MAX as u64 {
-        return Err(BrokenFrame("too many ranges"));
-    }
-    let (mut events, mut end) = (RangeSet::up_to(contiguous), contiguous);
-    for _ in 0..count {
-        let far = || BrokenFrame("a number is too large");
-        let first = end.checked_add(reader.number()?).ok_or_else(far)?;
-        end = first.checked_add(reader.number()?).ok_or_else(far)?;
-        events.insert(first..=end);
-    }
-    Ok(events)
 }
 
 /// A frame with its length in bytes.

@@ -5,10 +5,11 @@ use super::outgoing::next_part;
 use super::tail::Tail;
 use super::{COMMANDS_MAX, EventBuffer, RobotSession, RunSource, URGENT_MAX, WISHES_MAX};
 use crate::bytes::write_number;
+use crate::coding::ContextId;
 use crate::endpoint::Identity;
 use crate::frame::{
-    CommandId, CommandState, Events, Frame, StreamId, Terms, ValueId, ValuePart, WatchPart,
-    WishFrame,
+    CommandId, CommandState, Events, Frame, Packing, StreamId, Terms, ValueId, ValuePart,
+    WatchPart, WishFrame,
 };
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, OVERHEAD, PairingKey, SenderStart};
@@ -187,9 +188,18 @@ fn parts_fill_a_datagram_and_never_more() {
     for room in [200, 1_200, 20_000] {
         let (_, part) = next_part(&bytes, 0, room);
         let (stream, length, offset) = (StreamId(u32::MAX), u32::MAX, u32::MAX);
+        let packing = Packing::Coded { context: ContextId([7; 3]), length };
         let mut written = Vec::new();
-        Frame::Large { stream, first: large, t_before: large, length, offset, bytes: part }
-            .write(&mut written);
+        Frame::Large {
+            stream,
+            first: large,
+            t_before: large,
+            packing,
+            length,
+            offset,
+            bytes: part,
+        }
+        .write(&mut written);
         // The length of the part itself has one byte to three.
         assert!((room - 2..=room).contains(&written.len()), "{} of {room}", written.len());
     }

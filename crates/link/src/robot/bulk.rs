@@ -65,7 +65,13 @@ impl Bulk {
         }
         self.write_rank(Rank::Description, streams, turn, (source, payload));
         self.write_events(streams, turn, source, payload);
+        if self.waits(Rank::Events, streams) {
+            return;
+        }
         self.write_rank(Rank::Needed, streams, turn, (source, payload));
+        if self.waits(Rank::Needed, streams) {
+            return;
+        }
         if turn.is_heard {
             values.write(turn, source, payload);
         } else {
@@ -73,7 +79,14 @@ impl Bulk {
             values.forget();
         }
         self.write_rank(Rank::Ahead, streams, turn, (source, payload));
-        self.write_rank(Rank::Last, streams, turn, (source, payload));
+        if !self.waits(Rank::Ahead, streams) {
+            self.write_rank(Rank::Last, streams, turn, (source, payload));
+        }
+    }
+
+    /// True if a stream of this rank or a more urgent one waits for the next datagram: what follows does not go ahead of it.
+    fn waits(&self, rank: Rank, streams: &BTreeMap<StreamId, Outgoing>) -> bool {
+        streams.iter().any(|(id, stream)| stream.waits() && self.rank(*id) <= rank)
     }
 
     fn write_events(

@@ -2,8 +2,8 @@
 
 use super::outgoing::TransmitContext;
 use super::source::RunSource;
-use crate::coding::{CONTEXT_MAX, ContextName, LastCoder, PLAIN_MAX};
-use crate::frame::{Events, Frame, StreamId};
+use crate::coding::{CONTEXT_MAX, ContextId, ContextName, LastCoder, PLAIN_MAX};
+use crate::frame::{Events, Frame, Packing, StreamId};
 use crate::profile::Compression;
 
 /// Assumed compression ratio before the first measurement, in 16ths.
@@ -67,6 +67,25 @@ impl Coding {
     /// Estimates the bytes of items that fit into this many coded bytes.
     pub(super) fn items_max(&self, coded_max: usize) -> usize {
         (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
+    }
+
+    /// The context that is used.
+    pub(super) fn context(&self) -> Option<ContextId> {
+        self.used.as_ref().map(|(name, _)| name.id())
+    }
+
+    /// Compresses the items of an event that is sent in parts. `None` without a context, or if that saves nothing.
+    pub(super) fn pack(
+        &mut self,
+        items: &[u8],
+        turn: TransmitContext<'_>,
+    ) -> Option<(Packing, Vec<u8>)> {
+        let is_possible = self.is_used(turn) && items.len() <= PLAIN_MAX;
+        let (name, known) = self.used.as_ref().filter(|_| is_possible)?;
+        let coded = self.coder.with(name.id(), known).encode(items);
+        let length = u32::try_from(items.len()).unwrap_or(u32::MAX);
+        let packing = Packing::Coded { context: name.id(), length };
+        (coded.len() < items.len()).then_some((packing, coded))
     }
 
     /// Writes the frame of events that fit uncompressed. Returns whether they are compressed.

@@ -6,6 +6,7 @@
 
 mod bulk;
 mod coded;
+mod large;
 mod later;
 mod outgoing;
 mod parts;

@@ -1,8 +1,11 @@
 //! Outgoing events of one run, with the robot's view of the station's copy.
 
+mod backfill;
+
 use super::coded::Coding;
+use super::large::LargeEvent;
 use super::snapshots::Snapshots;
-use super::source::{EventBuffer, RunSource};
+use super::source::RunSource;
 use super::tail::{self, Tail};
 use crate::assembly::PART_MIN;
 use crate::frame::{EventHash, Events, Frame, Received, StreamId};
@@ -17,14 +20,6 @@ use std::time::Duration;
 const STATUS_BESIDE: u32 = 8;
 /// Number of lost events from which a snapshot arrives sooner than they do.
 const SNAPSHOT_LOST: u64 = 64;
-/// The beginning of a description, in parts: the station may have lost it and be unable to report that.
-const DESCRIPTION_PARTS: RangeInclusive<u64> = 1..=16;
-/// Without reports, the beginning of a description is sent once in this many report intervals.
-const DESCRIPTION_EVERY: u32 = 16;
-/// Older events are repeated after this part of the interval in which new ones are.
-const REPEAT_PART: u32 = 4;
-/// Retry interval for events that could not be read.
-const READ_AGAIN: Duration = Duration::from_secs(1);
 
 /// Events that were sent and are not reported.
 #[derive(Debug)]
@@ -35,13 +30,6 @@ struct SentEvents {
     repeats: u8,
     /// They are of use only to a station that knows the context by which they are coded.
     is_coded: bool,
-}
-
-impl SentEvents {
-    /// Earliest time of the repetition. It is in another datagram than the events, which a burst of losses may drop.
-    fn repeat_at(&self, profile: &Profile) -> Duration {
-        self.at + profile.repeat_after / REPEAT_PART
-    }
 }
 
 /// Conditions under which a datagram is written.
@@ -83,7 +71,15 @@ pub(super) struct Outgoing {
     /// The source could not read events: it is asked again then.
     read_again_at: Duration,
     snapshots: Snapshots,
-    large: Option<(EventBuffer, usize)>,
+    /// Events that were sent in parts, the last one at the end, until the station reports them.
+    large: VecDeque<LargeEvent>,
+    /// Events up to this one are sent more often, because they were missing in large numbers.
+    backlog: u64,
+    /// Datagrams in a row that had too little room for the next event: up to the present one, and up to the one before.
+    waited: u8,
+    waited_before: u8,
+    /// What the last datagram began with while both waited.
+    served_first: Served,
     coding: Coding,
     /// Number of times that events are sent to repair losses without a round trip.
     sends: u8,
@@ -117,12 +113,12 @@ enum Asks {
     Since(Duration),
 }
 
-/// Older events in this datagram.
-enum Written {
-    /// Those up to this one, and whether they are coded.
-    UpTo(u64, bool),
-    /// The first is too long for a datagram, and goes in parts.
-    Nothing,
+/// Events of the lower queue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Served {
+    Events,
+    /// Parts of one event.
+    Parts,
 }
 
 impl Outgoing {
@@ -146,7 +142,11 @@ impl Outgoing {
             round_due: Duration::ZERO,
             read_again_at: Duration::ZERO,
             snapshots: Snapshots::new(),
-            large: None,
+            large: VecDeque::new(),
+            backlog: 0,
+            waited: 0,
+            waited_before: 0,
+            served_first: Served::Parts,
             coding: Coding::default(),
             sends: LossRate::default().sends(),
             asks: Asks::No,
@@ -242,6 +242,7 @@ impl Outgoing {
         self.chain_told = ChainTold::No;
         self.coding.offer(None);
         self.snapshots.offer(None);
+        self.large.clear();
         self.sent.retain(|sent| !sent.is_coded);
         self.renew_sent_set();
     }
@@ -255,6 +256,9 @@ impl Outgoing {
         profile: &Profile,
     ) {
         self.received = received.events;
+        let is_here = |number: u64| self.received.contains(&(number..=number));
+        self.large.retain(|event| !is_here(event.number()));
+        self.large.iter_mut().for_each(|event| event.report(&received.partial));
         self.coding.offer(received.context);
         self.snapshots.offer(received.snapshot);
         self.knows_end = received.is_over;
@@ -285,6 +289,14 @@ impl Outgoing {
 
     fn renew_sent_set(&mut self) {
         self.sent_set = self.sent.iter().map(|sent| sent.range.clone()).collect();
+        if let Some(number) = self.sending_in_parts() {
+            self.sent_set.insert(number..=number);
+        }
+    }
+
+    /// The event that is being sent in parts.
+    fn sending_in_parts(&self) -> Option<u64> {
+        self.large.back().filter(|event| event.is_sending()).map(LargeEvent::number)
     }
 
     pub(super) fn has_all(&self) -> bool {
@@ -402,142 +414,6 @@ impl Outgoing {
         (self.head, self.head.saturating_sub(self.received.count()))
     }
 
-    /// When something of the lower queues is due.
-    pub(super) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
-        let is_lacking = self.large.is_some() || self.gap().is_some();
-        let lacking = if is_lacking { Duration::ZERO } else { Duration::MAX };
-        let repeated = if is_heard { self.repeated_at(profile) } else { Duration::MAX };
-        let events = lacking.min(repeated).max(self.read_again_at);
-        let round = if self.has_rounds(is_heard) { self.round_due } else { Duration::MAX };
-        let snapshot = self.snapshots.alone_at(is_heard, profile);
-        let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
-        let bulk = round.max(self.read_again_at).min(events).max(self.waits_until(profile));
-        bulk.min(snapshot)
-    }
-
-    /// Fills the rest of the datagram with events that the station lacks.
-    pub(super) fn write_bulk(
-        &mut self,
-        turn: TransmitContext<'_>,
-        source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
-    ) {
-        let TransmitContext { now, profile, is_heard, .. } = turn;
-        if self.asks == Asks::Yes {
-            self.asks = Asks::Since(now);
-        }
-        if now < self.waits_until(profile) {
-            return;
-        }
-        self.coding.renew(self.id, self.head, source);
-        while self.read_again_at <= now && self.write_large(turn, payload) {
-            let is_round_due = self.has_rounds(is_heard) && self.round_due <= now;
-            if is_round_due && self.gap().is_none() {
-                self.begin_round(turn);
-            }
-            let repeated = || self.repeated(now, profile).filter(|_| is_heard);
-            // Files are never urgent.
-            let sends = if self.id.is_files() { 1 } else { self.sends };
-            let gap = self.gap().map(|gap| (gap, sends));
-            let Some((range, repeats)) = gap.or_else(repeated) else { return };
-            let Some(written) = self.write_old(turn, &range, source, payload) else { return };
-            if let Written::UpTo(last, is_coded) = written {
-                let range = *range.start()..=last;
-                self.take_sent(*range.start(), last);
-                self.note_sent(SentEvents { at: now, range, repeats: repeats - 1, is_coded });
-            }
-        }
-    }
-
-    /// True if sent events are sent again, because the station cannot report.
-    fn has_rounds(&self, is_heard: bool) -> bool {
-        !is_heard && (self.content == Content::Description || !self.sent.is_empty())
-    }
-
-    fn begin_round(&mut self, turn: TransmitContext<'_>) {
-        self.sent.clear();
-        self.sent_set = RangeSet::default();
-        let mut intervals = 2;
-        if self.content == Content::Description {
-            self.received.remove(DESCRIPTION_PARTS);
-            intervals = DESCRIPTION_EVERY;
-        }
-        self.round_due = turn.now + turn.profile.report_every * intervals;
-    }
-
-    /// Writes the first of these events that fit. `None` if the datagram is full, or if they cannot be read now.
-    fn write_old(
-        &mut self,
-        turn: TransmitContext<'_>,
-        range: &RangeInclusive<u64>,
-        source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
-    ) -> Option<Written> {
-        let TransmitContext { now, room, .. } = turn;
-        let left = room.saturating_sub(payload.len());
-        let coded_max = Events::items_max(left, *range.end(), u64::MAX >> 8);
-        if coded_max < PART_MIN {
-            return None;
-        }
-        let is_coded = self.coding.is_used_for_backfill(turn);
-        let mut items_max = if is_coded { self.coding.items_max(coded_max) } else { coded_max };
-        loop {
-            let Some(buffer) = source.events(self.id, *range.start(), *range.end(), items_max)
-            else {
-                self.read_again_at = now + READ_AGAIN;
-                return None;
-            };
-            if buffer.items.len() > items_max.max(coded_max) {
-                self.large = Some((buffer, 0));
-                return Some(Written::Nothing);
-            }
-            let EventBuffer { first, count, t_before, items } = &buffer;
-            let (first, count, t_before) = (*first, *count, *t_before);
-            let events = Events { stream: self.id, first, count, t_before, items };
-            if !is_coded {
-                Frame::Events(events).write(payload);
-                return Some(Written::UpTo(buffer.last(), false));
-            }
-            match self.coding.write(&events, coded_max, payload) {
-                Ok(is_coded) => return Some(Written::UpTo(buffer.last(), is_coded)),
-                Err(_) if items_max == coded_max => {
-                    self.large = Some((buffer, 0));
-                    return Some(Written::Nothing);
-                }
-                Err(coded) => {
-                    let fewer = items.len() * coded_max / coded;
-                    items_max = (fewer - fewer / 16).max(coded_max).min(items_max - 1);
-                }
-            }
-        }
-    }
-
-    /// When events are repeated without a report.
-    fn repeated_at(&self, profile: &Profile) -> Duration {
-        let repeated = self.sent.iter().filter(|sent| sent.repeats > 0);
-        repeated.map(|sent| sent.repeat_at(profile)).min().unwrap_or(Duration::MAX)
-    }
-
-    /// Next events to repeat without a report: the least repeated, and the newest of these, because the oldest are reported
-    /// first.
-    fn repeated(&self, now: Duration, profile: &Profile) -> Option<(RangeInclusive<u64>, u8)> {
-        let is_due = |sent: &SentEvents| sent.repeats > 0 && sent.repeat_at(profile) <= now;
-        let sent = self.sent.iter().enumerate().filter(|(_, sent)| is_due(sent));
-        let (_, sent) = sent.max_by_key(|(place, sent)| (sent.repeats, *place))?;
-        Some((sent.range.clone(), sent.repeats))
-    }
-
-    /// Events are sent again: what was noted of them, from this one to that one, is void.
-    fn take_sent(&mut self, first: u64, last: u64) {
-        let place = self.sent.iter().position(|sent| *sent.range.start() == first);
-        let Some(sent) = place.and_then(|place| self.sent.get_mut(place)) else { return };
-        if *sent.range.end() > last {
-            sent.range = last + 1..=*sent.range.end();
-        } else if let Some(place) = place {
-            self.sent.remove(place);
-        }
-    }
-
     /// Writes the next part of a snapshot, if one is due.
     pub(super) fn write_snapshot(
         &mut self,
@@ -550,32 +426,12 @@ impl Outgoing {
             self.snapshots.write(run, turn, source, payload);
         }
     }
-
-    /// Writes the next part of an event that is too long for a datagram. Returns whether it is the last part.
-    fn write_large(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) -> bool {
-        let Some((events, sent)) = &mut self.large else { return true };
-        let (offset, part) =
-            next_part(&events.items, *sent, turn.room.saturating_sub(payload.len()));
-        if part.is_empty() {
-            return false;
-        }
-        let (first, t_before, length) = (events.first, events.t_before, small(events.items.len()));
-        Frame::Large { stream: self.id, first, t_before, length, offset, bytes: part }
-            .write(payload);
-        *sent += part.len();
-        if *sent < events.items.len() {
-            return false;
-        }
-        let range = events.first..=events.last();
-        self.large = None;
-        self.note_sent(SentEvents { at: turn.now, range, repeats: 0, is_coded: false });
-        true
-    }
 }
 
 /// The next part that fits into a frame of `room` bytes, and its offset.
 pub(super) fn next_part(bytes: &[u8], sent: usize, room: usize) -> (u32, &[u8]) {
-    const HEAD_MAX: usize = 1 + 5 + 10 + 10 + 5 + 5 + 3;
+    /// Bytes of the frame besides the part: kind, stream, event, its time, packing, length and offset.
+    const HEAD_MAX: usize = 48;
     let room = room.saturating_sub(HEAD_MAX);
     let rest = bytes.get(sent..).unwrap_or_default();
     let part = if room < PART_MIN.min(rest.len()) { &[] } else { &rest[..rest.len().min(room)] };

@@ -4,10 +4,12 @@
 
 mod command_parts;
 mod commands;
+mod large;
 mod streams;
 mod wishes;
 
 pub use commands::{CommandProgress, NewCommand, NotSent};
+pub(crate) use large::LARGE_MAX;
 #[cfg(test)]
 pub(crate) use streams::OPEN_MAX;
 pub use streams::StreamProgress;
@@ -19,8 +21,8 @@ use crate::coding::{ContextId, Contexts, LastCoder, OfferedSnapshots};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
-    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, Frame, NoValue, Received,
-    StreamId, ValueId, WishFrame,
+    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, Frame, NoValue, Packing,
+    Received, StreamId, ValueId, WishFrame,
 };
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::{CARRIER_OVERHEAD, Profile};
@@ -29,6 +31,7 @@ use crate::robot::{LATER_MAX, now_ms};
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use commands::{Commands, RobotTimes};
+use large::LargeEvents;
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -154,7 +157,7 @@ struct Incoming {
     is_over: bool,
     snapshot: Assembly,
     snapshot_sequence: u64,
-    large: Assembly,
+    large: LargeEvents,
     contexts: Contexts,
     coder: LastCoder,
     snapshots: OfferedSnapshots,
@@ -170,6 +173,18 @@ impl Incoming {
         let received = RangeSet::up_to(events);
         let (safe, head, reports) = (events, events, LAST_REPORTS);
         Self { received, safe, head, is_over, reports, ..Self::default() }
+    }
+
+    /// The items of an event of which all parts are here. `None` if they cannot be decoded: the robot sends the event again.
+    fn unpack(&mut self, packing: Packing, packed: Vec<u8>) -> Option<Vec<u8>> {
+        match packing {
+            Packing::Plain => Some(packed),
+            Packing::Deflated => inflate(&packed, LENGTH_MAX as usize),
+            Packing::Coded { context, length } => {
+                let known = self.contexts.find(context)?;
+                self.coder.with(context, known).decode(&packed, length as usize)
+            }
+        }
     }
 
     fn is_complete(&self) -> bool {
@@ -473,9 +488,11 @@ impl StationSession {
 
     /// Takes a part of an event.
     fn take_large(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
-        let Frame::Large { stream, first, t_before, length, offset, bytes } = *frame else {
+        let Frame::Large { stream, first, t_before, packing, length, offset, bytes } = *frame
+        else {
             return;
         };
+        self.has_news = true;
         if self.touch_settled(stream, first) {
             return;
         }
@@ -483,11 +500,12 @@ impl StationSession {
         if incoming.received.contains(&(first..=first)) {
             return;
         }
-        if !incoming.large.is_of(first, length) {
+        if !incoming.large.has(first, length, packing) {
             self.make_room(length);
         }
         let Some(incoming) = self.incoming(stream) else { return };
-        let Some(items) = incoming.large.add(first, length, offset, bytes) else { return };
+        let whole = incoming.large.add((first, length, packing), offset, bytes);
+        let Some(items) = whole.and_then(|packed| incoming.unpack(packing, packed)) else { return };
         self.take_events(&Events { stream, first, count: 1, t_before, items: &items }, show);
     }
 
@@ -590,7 +608,8 @@ impl StationSession {
         let waiting = waiting.map(|it| it.snapshot.length() + it.large.length()).sum::<usize>();
         if waiting + length as usize > PARTS_MAX {
             for incoming in self.streams.open.values_mut() {
-                (incoming.snapshot, incoming.large) = (Assembly::default(), Assembly::default());
+                incoming.snapshot = Assembly::default();
+                incoming.large.clear();
             }
         }
     }
@@ -796,6 +815,7 @@ impl StationSession {
             return;
         }
         self.write_settled(payload.len() + (room - payload.len()) / 2, payload);
+        let begun = payload.len();
         let (from, codes) = (self.report_from, self.profile.codes_new());
         self.report_from = StreamId(0);
         let round_trip = self.round_trip.unwrap_or(self.profile.round_trip);
@@ -814,13 +834,17 @@ impl StationSession {
             let is_coded = codes && !is_complete;
             let context = if is_coded { incoming.contexts.offer() } else { None };
             let snapshot = is_coded.then(|| incoming.snapshots.offer(now, round_trip)).flatten();
+            let partial = if is_complete { Vec::new() } else { incoming.large.report() };
+            let stream = *stream;
             let Incoming { safe, is_over, .. } = *incoming;
-            let received = Received { stream: *stream, is_over, safe, events, context, snapshot };
-            Frame::Received(received).write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            let mut received =
+                Received { stream, is_over, safe, events, context, snapshot, partial };
+            // The first stream has no more room in a later report.
+            let is_first = length == begun;
+            while !received.write_into(room, payload) && is_first && received.shorten() {}
+            if payload.len() == length {
                 // Streams without room begin the next report.
-                self.report_from = *stream;
+                self.report_from = stream;
                 break;
             }
             incoming.reports = incoming.reports.saturating_sub(1);
@@ -833,8 +857,8 @@ impl StationSession {
     fn write_settled(&mut self, room: usize, payload: &mut Vec<u8>) {
         for (stream, Settled { events: safe, is_over }) in self.streams.asked() {
             let (length, events) = (payload.len(), RangeSet::up_to(safe));
-            let (context, snapshot) = (None, None);
-            let received = Received { stream, is_over, safe, events, context, snapshot };
+            let (context, snapshot, partial) = (None, None, Vec::new());
+            let received = Received { stream, is_over, safe, events, context, snapshot, partial };
             Frame::Received(received).write(payload);
             if payload.len() > room {
                 payload.truncate(length);

@@ -1,0 +1,110 @@
+//! Events that are received in parts.
+
+use crate::assembly::Assembly;
+use crate::frame::{Packing, PartialEvent};
+use std::collections::VecDeque;
+
+/// Capacity. Of more events the parts of the oldest are dropped, and are sent again.
+pub(crate) const LARGE_MAX: usize = 4;
+/// Capacity of a report in ranges of one event. The robot sends the parts in further ranges again.
+const RANGES_MAX: usize = 4;
+
+/// Events of a run of which parts are missing, the newest last.
+#[derive(Debug, Default)]
+pub(super) struct LargeEvents(VecDeque<(Packing, Assembly)>);
+
+impl LargeEvents {
+    /// Memory of the parts, in bytes.
+    pub(super) fn length(&self) -> usize {
+        self.0.iter().map(|(_, parts)| parts.length()).sum()
+    }
+
+    /// True if parts of this event are here.
+    pub(super) fn has(&self, number: u64, length: u32, packing: Packing) -> bool {
+        self.place(number, length, packing).is_some()
+    }
+
+    /// Adds a part of an event. Returns its packed items once they are complete.
+    pub(super) fn add(
+        &mut self,
+        event: (u64, u32, Packing),
+        offset: u32,
+        part: &[u8],
+    ) -> Option<Vec<u8>> {
+        let (number, length, packing) = event;
+        let place = self.place(number, length, packing).unwrap_or_else(|| {
+            self.0.retain(|(_, parts)| parts.number() != number);
+            if self.0.len() >= LARGE_MAX {
+                self.0.pop_front();
+            }
+            self.0.push_back((packing, Assembly::default()));
+            self.0.len() - 1
+        });
+        let whole = self.0.get_mut(place)?.1.add(number, length, offset, part);
+        if whole.is_some() || self.0.get(place).is_some_and(|(_, parts)| parts.length() == 0) {
+            self.0.remove(place);
+        }
+        whole
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// The events, with their oldest ranges: a report is short.
+    pub(super) fn report(&self) -> Vec<PartialEvent> {
+        let partial = |(_, parts): &(Packing, Assembly)| PartialEvent {
+            first: parts.number(),
+            length: u32::try_from(parts.length()).unwrap_or(u32::MAX),
+            here: parts.here().ranges().take(RANGES_MAX).collect(),
+        };
+        self.0.iter().map(partial).collect()
+    }
+
+    fn place(&self, number: u64, length: u32, packing: Packing) -> Option<usize> {
+        self.0.iter().position(|(known, parts)| *known == packing && parts.is_of(number, length))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{LARGE_MAX, LargeEvents, Packing, RANGES_MAX};
+
+    const PLAIN: Packing = Packing::Plain;
+
+    #[test]
+    fn of_more_events_than_the_bound_the_oldest_is_dropped() {
+        let mut events = LargeEvents::default();
+        let numbers = |events: &LargeEvents| -> Vec<u64> {
+            events.report().iter().map(|partial| partial.first).collect()
+        };
+        for number in 1..=LARGE_MAX as u64 + 1 {
+            assert_eq!(events.add((number, 4, PLAIN), 0, b"ab"), None);
+        }
+        assert_eq!(numbers(&events), [2, 3, 4, 5]);
+        // An event that is packed in another way begins again.
+        assert_eq!(events.add((3, 2, Packing::Deflated), 0, b"a"), None);
+        assert_eq!(numbers(&events), [2, 4, 5, 3]);
+        assert_eq!(events.add((4, 4, PLAIN), 2, b"cd"), Some(b"abcd".to_vec()));
+        assert_eq!(numbers(&events), [2, 5, 3]);
+        assert_eq!(events.length(), 4 + 4 + 2);
+    }
+
+    #[test]
+    fn a_report_has_so_many_ranges_of_an_event() {
+        let mut events = LargeEvents::default();
+        for nth in 0..10 {
+            assert_eq!(events.add((1, 100, PLAIN), nth * 10, b"part"), None);
+        }
+        let [partial] = &events.report()[..] else { panic!("one event") };
+        assert_eq!(partial.here.ranges_count(), RANGES_MAX);
+        assert_eq!(partial.here.contiguous(), 4);
+    }
+
+    #[test]
+    fn an_event_that_is_too_long_is_ignored() {
+        let mut events = LargeEvents::default();
+        assert_eq!(events.add((1, u32::MAX, PLAIN), 0, b"part"), None);
+        assert_eq!((events.length(), events.report().len()), (0, 0));
+    }
+}
