@@ -30,7 +30,7 @@ export function App({ session }: { session: AppSession }) {
     <SessionProvider value={session}>
       <PanelHostProvider value={host}>
         <LostTexts.Provider value={lost}>
-          <Door />
+          <AuthGate />
           <OpenDialogs />
         </LostTexts.Provider>
         <Toasts />
@@ -40,7 +40,7 @@ export function App({ session }: { session: AppSession }) {
 }
 
 /** A user who was logged in stays so during a disconnection. */
-function Door() {
+function AuthGate() {
   const { page } = useSession();
   const link = useSignal(page.server.link);
   const [wasIn, setWasIn] = useState(false);
@@ -49,7 +49,7 @@ function Door() {
     if (link.state === "refused") setWasIn(false);
   }, [link]);
   if (link.state === "refused") return <Login reason={link.reason} />;
-  if (wasIn || link.state === "up") return <Inside />;
+  if (wasIn || link.state === "up") return <Workspace />;
   return (
     <Unreachable
       reason={link.state === "down" ? `The server does not respond: ${link.reason}` : "Connecting…"}
@@ -57,7 +57,7 @@ function Door() {
   );
 }
 
-function Inside() {
+function Workspace() {
   const session = useSession();
   useEffect(() => {
     const stops = [

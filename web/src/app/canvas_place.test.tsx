@@ -8,7 +8,7 @@ import { click, unmount } from "../ui/testing/mounted.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
 import { shown } from "./testing/shown.tsx";
 
-const LOOKS = readFileSync(join(import.meta.dirname, "centre.css"), "utf8");
+const LOOKS = readFileSync(join(import.meta.dirname, "canvas_area.css"), "utf8");
 
 afterEach(() => {
   unmount();
@@ -41,8 +41,8 @@ test("a picture that cannot be drawn is grey and says why, until it can be drawn
   });
   const look = () => {
     const canvas = place.querySelector(".canvas-mount");
-    const said = place.querySelector(".canvas-fault[role=alert] span")?.textContent;
-    return [canvas && getComputedStyle(canvas).filter, said];
+    const message = place.querySelector(".canvas-fault[role=alert] span")?.textContent;
+    return [canvas && getComputedStyle(canvas).filter, message];
   };
   pass();
   expect(look()).toEqual([

@@ -19,7 +19,7 @@ import { BranchSteps } from "./branch_steps.tsx";
 import { HeatLegend } from "./heat_legend.tsx";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
-import { runExtras } from "./run_extras.ts";
+import { runOverlay } from "./run_overlay.ts";
 import { SentCommands } from "./sent_commands.tsx";
 import { isInMission } from "./session.ts";
 
@@ -47,17 +47,17 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
   const place = useRef<HTMLDivElement>(null);
   const isOld = useIsOld(page);
   const watch = useSignal(tab.run);
-  const isTold = useComputed(() => isInMission(session, tab), [session, tab]);
+  const isInMissionControl = useComputed(() => isInMission(session, tab), [session, tab]);
   const [picture, setPicture] = useState<CanvasPicture | null>(null);
   const [menu, setMenu] = useState<CanvasMenu | null>(null);
   useEffect(() => {
     if (!place.current) return;
-    const shown = runExtras(page, tab);
+    const shown = runOverlay(page, tab);
     const mounted = mountCanvas(place.current, {
       tab,
       page,
       run: (command, argument) => void commands.run(command, context(), argument),
-      extras: () => ({ ...shown.read(), differences: tab.view.marks.value ?? NO_MARKS }),
+      runOverlay: () => ({ ...shown.read(), differences: tab.view.marks.value ?? NO_MARKS }),
       menuAt: (at, elements) => setMenu({ at, elements, pointer: mounted.control.pointer() }),
     });
     canvas.value = mounted.control;
@@ -84,7 +84,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
       )}
       {watch && picture && <BranchSteps tab={tab} watch={watch} picture={picture} />}
       <HeatLegend tab={tab} />
-      {watch && !isTold && <SentCommands watch={watch} />}
+      {watch && !isInMissionControl && <SentCommands watch={watch} />}
       {menu && (
         <ContextMenu
           label="Actions"

@@ -31,17 +31,17 @@ import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { listenForTips } from "../ui/tips.ts";
 import { undoTranslations } from "../ui/translation.ts";
-import { Centre } from "./centre.tsx";
+import { CanvasArea } from "./canvas_area.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
 import { initialLayout, takeAsked } from "./initial_layout.ts";
 import { listenToKeys } from "./keyboard.ts";
-import { tellTranslated } from "./mishaps.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
 import { useSession } from "./provided.tsx";
-import { wearTheme } from "./theme.ts";
+import { reportTranslation } from "./report_errors.ts";
+import { applyTheme } from "./theme.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };
 
@@ -77,8 +77,8 @@ export function Dock() {
         listenToKeys(session, view),
         listenToClipboard(session, view.document),
         listenForTips(view.document),
-        wearTheme(session.page, view),
-        undoTranslations(view.document, () => tellTranslated(session.page)),
+        applyTheme(session.page, view),
+        undoTranslations(view.document, () => reportTranslation(session.page)),
       ];
       view.addEventListener("pagehide", () => {
         for (const stop of stops) stop();
@@ -100,7 +100,7 @@ export function Dock() {
   }, [api, session]);
   const components = useMemo(
     () => ({
-      canvas: Middle,
+      canvas: CanvasPanel,
       ...Object.fromEntries(PANELS.map(({ id }) => [id, PanelPlace])),
     }),
     [],
@@ -118,10 +118,10 @@ export function Dock() {
   );
 }
 
-function Middle() {
+function CanvasPanel() {
   return (
     <PanelGuard name="The canvas">
-      <Centre />
+      <CanvasArea />
     </PanelGuard>
   );
 }

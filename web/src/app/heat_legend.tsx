@@ -5,7 +5,7 @@ import { duration } from "../panels/parts/duration.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { useComputed, useSignal } from "../ui/signals.ts";
 
-import { heatNow } from "./run_extras.ts";
+import { heatNow } from "./run_overlay.ts";
 import "./heat_legend.css";
 
 const SHADES = Array.from({ length: HEAT_LEVELS + 1 }, (_, level) => level);

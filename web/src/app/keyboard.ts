@@ -68,8 +68,8 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
       event.preventDefault();
       return;
     }
-    const isTold = !event.repeat && ids.some((id) => tellRefusal(session, id));
-    if (isTold || isOurs(key)) event.preventDefault();
+    const isReported = !event.repeat && ids.some((id) => tellRefusal(session, id));
+    if (isReported || isOurs(key)) event.preventDefault();
   };
   view.addEventListener("keydown", press);
   return () => view.removeEventListener("keydown", press);

@@ -9,19 +9,19 @@ import { startPage } from "../sync/page.ts";
 import { keepCompositions } from "../ui/composition.ts";
 import { undoTranslations } from "../ui/translation.ts";
 import { App } from "./app.tsx";
-import { tellMishaps, tellTranslated } from "./mishaps.ts";
+import { reportErrors, reportTranslation } from "./report_errors.ts";
 import { newSession } from "./session.ts";
-import { wearTheme } from "./theme.ts";
+import { applyTheme } from "./theme.ts";
 import { keepTitle } from "./title.ts";
 
 const place = document.getElementById("app");
 if (place) {
   const page = startPage();
   const session = newSession(page, allCommands());
-  tellMishaps(page, window);
+  reportErrors(page, window);
   keepCompositions(window);
-  undoTranslations(document, () => tellTranslated(page));
-  wearTheme(page, window);
+  undoTranslations(document, () => reportTranslation(page));
+  applyTheme(page, window);
   keepTitle(page, document);
   const { commands, context } = session;
   // Tests and benches that inspect the page set a mark before its start.

@@ -42,7 +42,7 @@ export function NoticeBell() {
         <Bell size={16} aria-hidden />
         {fresh.length > 0 && <span className="notice-count">{Math.min(fresh.length, 99)}</span>}
       </button>
-      {isOpen && <Centre open={open} onClose={close} />}
+      {isOpen && <NoticeCentre open={open} onClose={close} />}
     </div>
   );
 }
@@ -54,7 +54,7 @@ function worstOf(notices: readonly Notice[]): string {
   return worst ? `notice-bell-${worst}` : "";
 }
 
-function Centre({ open, onClose }: { open: readonly Notice[]; onClose: () => void }) {
+function NoticeCentre({ open, onClose }: { open: readonly Notice[]; onClose: () => void }) {
   const session = useSession();
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {

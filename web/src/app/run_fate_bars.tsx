@@ -20,13 +20,13 @@ import { isInMission } from "./session.ts";
 export function RunFateBars({ tab }: { tab: OpenTab }) {
   const session = useSession();
   const watch = useSignal(tab.run);
-  const isTold = useComputed(() => isInMission(session, tab), [session, tab]);
+  const isInMissionControl = useComputed(() => isInMission(session, tab), [session, tab]);
   if (!watch) return null;
   return (
     <>
-      {!isTold && <DivergedBar watch={watch} />}
-      {!isTold && <CrashBar tab={tab} watch={watch} />}
-      {!isTold && <InterruptedBar tab={tab} watch={watch} />}
+      {!isInMissionControl && <DivergedBar watch={watch} />}
+      {!isInMissionControl && <CrashBar tab={tab} watch={watch} />}
+      {!isInMissionControl && <InterruptedBar tab={tab} watch={watch} />}
       <DiffersBar key={watch.id} tab={tab} watch={watch} />
     </>
   );

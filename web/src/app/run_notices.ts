@@ -22,7 +22,7 @@ const TOGETHER_MS = 1_000;
 
 /** From now on, for every tab that shows a run. */
 export function tellOfRuns(session: AppSession): () => void {
-  const told = new Map<Watch, () => void>();
+  const stopByWatch = new Map<Watch, () => void>();
   const stop = effect(() => {
     const tabs = session.page.tabs.value;
     const shown = new Map<Watch, OpenTab>();
@@ -31,17 +31,17 @@ export function tellOfRuns(session: AppSession): () => void {
       if (watch) shown.set(watch, tab);
     }
     for (const [watch, tab] of shown) {
-      if (!told.has(watch)) told.set(watch, tellOfRun(session, tab, watch));
+      if (!stopByWatch.has(watch)) stopByWatch.set(watch, tellOfRun(session, tab, watch));
     }
-    for (const [watch, end] of told) {
+    for (const [watch, end] of stopByWatch) {
       if (shown.has(watch)) continue;
       end();
-      told.delete(watch);
+      stopByWatch.delete(watch);
     }
   });
   return () => {
     stop();
-    for (const end of told.values()) end();
+    for (const end of stopByWatch.values()) end();
   };
 }
 
@@ -95,14 +95,14 @@ function tellQuestions(watch: Watch, { session }: OpenTab, tell: Tell): () => vo
 /** Events before the page was up to date are no news. */
 function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => void {
   let from = Number.POSITIVE_INFINITY;
-  let told = 0;
+  let reportedSequence = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
   const say = async () => {
     timer = undefined;
     const fresh = failuresSince(openFailures(watch).peek(), from);
     const last = newest(fresh);
-    if (!last || last.sequence === told) return;
-    told = last.sequence;
+    if (!last || last.sequence === reportedSequence) return;
+    reportedSequence = last.sequence;
     const name = last.path === "" ? "" : await nameSoon(session, last.path);
     const text = failuresInWords(last, fresh.length, name);
     tell({ topic: "failures", level: "error", text, title: "Show" });
@@ -114,7 +114,8 @@ function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => voi
       return;
     }
     const last = newest(failuresSince(all, from));
-    if (last && last.sequence !== told) timer ??= setTimeout(() => void say(), TOGETHER_MS);
+    if (last && last.sequence !== reportedSequence)
+      timer ??= setTimeout(() => void say(), TOGETHER_MS);
   });
   return () => {
     stop();

@@ -9,7 +9,7 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
 import { ProjectTree, useProjects } from "./project_tree.tsx";
 import { useSession } from "./provided.tsx";
-import "./centre.css";
+import "./canvas_area.css";
 
 const RECENT_SHOWN = 8;
 

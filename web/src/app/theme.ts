@@ -4,7 +4,7 @@ import { effect, signal } from "@preact/signals-core";
 import type { Page } from "../store/page/page.ts";
 
 /** Keeps the `data-theme` of the document in a window as settings, or else the system, have it: styles go by it alone. */
-export function wearTheme(page: Pick<Page, "settings">, view: Window): () => void {
+export function applyTheme(page: Pick<Page, "settings">, view: Window): () => void {
   const wish = view.matchMedia("(prefers-color-scheme: light)");
   const wanted = signal(wish.matches);
   const follow = () => {

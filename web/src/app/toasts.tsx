@@ -19,7 +19,7 @@ export function Toasts() {
   const session = useSession();
   const { page, dock } = session;
   /** The machine whose run is in mission control, which shows its news. */
-  const told = useComputed(() => {
+  const machineInMission = useComputed(() => {
     const machine = page.active.value?.session.id ?? null;
     return dock.value.isInSight(MISSION_PANEL) ? machine : null;
   }, [page, dock]);
@@ -29,7 +29,7 @@ export function Toasts() {
   const [gone, setGone] = useState<ReadonlySet<number>>(new Set());
   const fresh = notices
     .filter(({ id, isQuiet, isClosed }) => id > first && !isQuiet && !isClosed && !gone.has(id))
-    .filter(({ passing }) => !passing || passing.machine !== told);
+    .filter(({ passing }) => !passing || passing.machine !== machineInMission);
   const shown = fresh.slice(-SHOWN_MAX);
   const drop = (id: number) => setGone((before) => new Set(before).add(id));
   // Displaced toasts are not shown later, because the notice centre has them.

@@ -7,12 +7,12 @@ import { FIRST_SETTINGS } from "../store/page/settings.ts";
 import { newView, select } from "../store/page/view.ts";
 import type { RunMark } from "../store/run/marks.ts";
 import { type Mounted, mountCanvas } from "./mount.ts";
-import type { Extras } from "./picture.ts";
+import type { RunOverlay } from "./picture.ts";
 import { ARM, PlainMachineSession } from "./testing/driver.ts";
 
 const SIZE = { width: 1000, height: 800 };
 
-function mount(view = newView(), extras: () => Extras = () => ({})) {
+function mount(view = newView(), runOverlay: () => RunOverlay = () => ({})) {
   const place = document.createElement("div");
   document.body.append(place);
   const session = new PlainMachineSession(ARM);
@@ -27,7 +27,7 @@ function mount(view = newView(), extras: () => Extras = () => ({})) {
     tab: { session, view, run: signal(null) },
     page,
     run: () => {},
-    extras,
+    runOverlay,
     menuAt: (at, elements) => menus.push(`${at.x} ${at.y} ${elements.map(({ path }) => path)}`),
   });
   const root = place.querySelector<HTMLElement>("[role=application]");
@@ -193,19 +193,19 @@ test("why something is not possible is told and said to screen readers", () => {
 test("what the selected state comes to in a run is said, and its breakpoint stands with it", () => {
   vi.useFakeTimers();
   const held = { phase: "held", failed: false, detail: null } as RunMark;
-  const extras = signal<Extras>({});
-  const { view, root, mounted } = mount(newView(), () => extras.value);
+  const runOverlay = signal<RunOverlay>({});
+  const { view, root, mounted } = mount(newView(), () => runOverlay.value);
   open.push(mounted);
   select(view, [{ kind: "state", path: "R/A" }]);
   vi.advanceTimersByTime(1_000);
   const said = () => root.querySelector("[role=status]")?.textContent;
   expect(said()).toBe("");
-  extras.value = { runs: new Map([["R/A", held]]), breakpoints: new Map([["R/A", "on"]]) };
+  runOverlay.value = { runs: new Map([["R/A", held]]), breakpoints: new Map([["R/A", "on"]]) };
   vi.advanceTimersByTime(1_000);
   expect(said()).toBe("Scan is paused");
   const active = root.querySelector(`#${root.getAttribute("aria-activedescendant")}`);
   expect(active?.textContent).toMatch(/^Scan, is paused, breakpoint, /);
-  extras.value = {};
+  runOverlay.value = {};
   vi.advanceTimersByTime(1_000);
   expect(said()).toBe("");
 });

@@ -21,7 +21,7 @@ import { extentOn } from "./hit/shown.ts";
 import { InteractionController } from "./interaction.ts";
 import { listen } from "./listen.ts";
 import { minimapIn } from "./minimap.ts";
-import { type CanvasPicture, type Extras, pictureIn } from "./picture.ts";
+import { type CanvasPicture, pictureIn, type RunOverlay } from "./picture.ts";
 import { pulsesOver } from "./pulses.ts";
 import { ReaderTree, treeLines } from "./reader.ts";
 import { renameField } from "./rename_field.ts";
@@ -33,7 +33,7 @@ interface MountOptions {
   readonly run: (command: string, argument?: unknown) => void;
   /** Opens the menu of elements; the point is in CSS pixels of the window. */
   readonly menuAt: (at: Point, elements: readonly ElementRef[]) => void;
-  readonly extras?: () => Extras;
+  readonly runOverlay?: () => RunOverlay;
 }
 
 export interface Mounted {
@@ -67,7 +67,7 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   const picture = pictureIn(root, {
     tab,
     overlay: () => controller.overlay.value,
-    ...(options.extras ? { extras: options.extras } : {}),
+    ...(options.runOverlay ? { runOverlay: options.runOverlay } : {}),
   });
   picture.canvas.setAttribute("aria-hidden", "true");
   const pulses = pulsesOver(root, picture, tab.run);

@@ -21,7 +21,7 @@ import type { DrawList } from "./scene/list.ts";
 import { scene } from "./scene/scene.ts";
 
 /** Additional data for the picture, from other parts of the page. */
-export interface Extras {
+export interface RunOverlay {
   readonly differences?: ReadonlyMap<ElementKey, DifferenceKind>;
   readonly hits?: ReadonlySet<ElementKey>;
   readonly runs?: SceneInput["runs"];
@@ -38,7 +38,7 @@ interface PictureOptions {
   readonly tab: OpenTab;
   /** Preview of the current gesture. Reads a signal, so that the picture follows it. */
   readonly overlay: () => Overlay;
-  readonly extras?: () => Extras;
+  readonly runOverlay?: () => RunOverlay;
 }
 
 export interface CanvasPicture {
@@ -158,9 +158,9 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
     canvas,
     size: () => size,
     layout,
-    runs: () => options.extras?.().runs ?? PLAIN.runs,
-    breakpoints: () => options.extras?.().breakpoints ?? PLAIN.breakpoints,
-    taken: () => options.extras?.().taken ?? PLAIN.taken,
+    runs: () => options.runOverlay?.().runs ?? PLAIN.runs,
+    breakpoints: () => options.runOverlay?.().breakpoints ?? PLAIN.breakpoints,
+    taken: () => options.runOverlay?.().taken ?? PLAIN.taken,
     list: () => list,
     redraw,
     colours: () => colours,
@@ -227,7 +227,7 @@ function watch(place: HTMLElement, options: PictureOptions, tell: PictureListene
 }
 
 /** Reads all signals that the picture depends on. */
-function follow({ tab, overlay, extras }: PictureOptions): void {
+function follow({ tab, overlay, runOverlay }: PictureOptions): void {
   const { session, view } = tab;
   session.version.value;
   session.people.value;
@@ -240,11 +240,11 @@ function follow({ tab, overlay, extras }: PictureOptions): void {
   view.marks.value;
   view.ghost.value;
   overlay();
-  extras?.();
+  runOverlay?.();
 }
 
 function inputOf(
-  { tab, overlay, extras }: PictureOptions,
+  { tab, overlay, runOverlay }: PictureOptions,
   layout: LayoutTree,
   size: Size,
   measure: SceneInput["measure"],
@@ -265,7 +265,7 @@ function inputOf(
     differences: view.marks.peek() ?? PLAIN.differences,
     measure,
     mayRoute,
-    ...extras?.(),
+    ...runOverlay?.(),
   };
 }
 

@@ -1,7 +1,7 @@
 /** Marks, values and heat of the run on the canvas, each recomputed only after changes. */
 
 import { computed, effect, type ReadonlySignal } from "@preact/signals-core";
-import type { Extras } from "../canvas/picture.ts";
+import type { RunOverlay } from "../canvas/picture.ts";
 import { HEAT_LEVELS, type ValueChip } from "../canvas/scene/input.ts";
 import { shortValue } from "../model/short_value.ts";
 import { type CountUntil, countsUntil } from "../store/history/counts_until.ts";
@@ -19,17 +19,17 @@ const FULL = 320;
 const CHIP = 18;
 const NO_VALUES: ReadonlyMap<string, ValueChip> = new Map();
 
-interface RunExtras {
+interface RunOverlayReader {
   /** A signal's reader. */
-  readonly read: () => Extras;
+  readonly read: () => RunOverlay;
   readonly stop: () => void;
 }
 
-export function runExtras(page: Page, tab: OpenTab): RunExtras {
+export function runOverlay(page: Page, tab: OpenTab): RunOverlayReader {
   const values = valuesOf(tab);
   const heat = computed(() => heatNow(tab)?.levels ?? null);
   const breakpoints = computedWith(() => breakpointMarks(tab), isSameMarks);
-  const extras = computed((): Extras => {
+  const overlay = computed((): RunOverlay => {
     const watch = tab.run.value;
     if (!watch) return { breakpoints: breakpoints.value };
     const { states, lines, errors, visits } = runMarks(watch, tab.session);
@@ -48,7 +48,7 @@ export function runExtras(page: Page, tab: OpenTab): RunExtras {
     const watch = tab.run.value;
     return watch && tab.view.modes.value.values ? watch.wantValues() : undefined;
   });
-  return { read: () => extras.value, stop };
+  return { read: () => overlay.value, stop };
 }
 
 /** States with breakpoints: whether any of theirs is on. */

@@ -10,9 +10,9 @@ import { CanvasTools } from "./canvas_tools.tsx";
 import { InsertPalette } from "./insert_palette.tsx";
 import { useSession } from "./provided.tsx";
 import { StartPage } from "./start_page.tsx";
-import "./centre.css";
+import "./canvas_area.css";
 
-export function Centre() {
+export function CanvasArea() {
   const { page, dock } = useSession();
   const tab = useSignal(page.active);
   const draws = useComputed(
@@ -24,8 +24,8 @@ export function Centre() {
   );
   if (!tab) return <StartPage />;
   return (
-    <main className="centre">
-      <div className="centre-bar">
+    <main className="canvas-area">
+      <div className="canvas-area-bar">
         <Breadcrumb tab={tab} />
         {draws && <InsertPalette />}
         <CanvasTools tab={tab} />

@@ -6,7 +6,7 @@ import type { Page } from "../store/page/page.ts";
 const HARMLESS = /^ResizeObserver loop/;
 
 /** Listens to a window until the returned function is called. */
-export function tellMishaps(page: Pick<Page, "tell">, view: Window): () => void {
+export function reportErrors(page: Pick<Page, "tell">, view: Window): () => void {
   const tell = (fault: unknown, message?: string) => {
     const text = fault instanceof Error ? fault.message : String(fault ?? message);
     if (HARMLESS.test(text)) return;
@@ -25,7 +25,7 @@ export function tellMishaps(page: Pick<Page, "tell">, view: Window): () => void 
   };
 }
 
-export function tellTranslated(page: Pick<Page, "tell">): void {
+export function reportTranslation(page: Pick<Page, "tell">): void {
   page.tell({
     level: "warning",
     text: "A translator changes the texts of this page. The page restores them, because a translated text can be out of date. Turn the translator off for this page.",

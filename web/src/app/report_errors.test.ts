@@ -1,10 +1,10 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
-import { tellMishaps } from "./mishaps.ts";
+import { reportErrors } from "./report_errors.ts";
 
 test("what nothing else catches is said, but for what browsers say of settling layouts", () => {
-  const said: string[] = [];
-  const stop = tellMishaps({ tell: ({ text }) => said.push(text) }, window);
+  const reported: string[] = [];
+  const stop = reportErrors({ tell: ({ text }) => reported.push(text) }, window);
   const fail = (message: string) =>
     window.dispatchEvent(new ErrorEvent("error", { error: new Error(message) }));
   fail("no such lane");
@@ -14,7 +14,7 @@ test("what nothing else catches is said, but for what browsers say of settling l
   );
   stop();
   fail("later");
-  expect(said.map((text) => text.split(". ")[0])).toEqual([
+  expect(reported.map((text) => text.split(". ")[0])).toEqual([
     "Error in the page: no such lane",
     "Error in the page: no file",
   ]);
