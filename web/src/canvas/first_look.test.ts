@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { Camera } from "../store/page/view.ts";
 import { resized } from "./first_look.ts";
-import { filling } from "./looks.ts";
+import { filling } from "./framing.ts";
 
 const MACHINE = { x: 0, y: 0, width: 1000, height: 500 };
 const WIDE = { width: 1100, height: 700 };

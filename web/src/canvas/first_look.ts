@@ -5,8 +5,8 @@ import { kept, localStoreOf } from "../store/local_store.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { Camera } from "../store/page/view.ts";
 import { screenBox } from "./camera.ts";
+import { filling } from "./framing.ts";
 import type { InteractionController } from "./interaction.ts";
-import { filling } from "./looks.ts";
 
 /** Store of this browser tab, which survives reloads. */
 const TAB_STORE = localStoreOf(() => window.sessionStorage);

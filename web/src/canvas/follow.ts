@@ -9,9 +9,9 @@ import type { Camera } from "../store/page/view.ts";
 import { activeStates, lanes, placeOfLane } from "../store/run/active.ts";
 import { screenBox } from "./camera.ts";
 import type { Flight } from "./flight.ts";
+import { filling } from "./framing.ts";
 import { extentOn } from "./hit/shown.ts";
 import type { Layout } from "./layout.ts";
-import { filling } from "./looks.ts";
 import type { CanvasPicture } from "./picture.ts";
 
 /** Preferred and smallest size of an active state, in CSS pixels. */

@@ -13,13 +13,13 @@ import type { Dragged } from "../store/page/dragged.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { type Camera, select, selected, toggle } from "../store/page/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
+import { handleKey, isNudge, type KeyPress } from "./canvas_keys.ts";
+import { filling, revealing } from "./framing.ts";
 import { ghostBox } from "./ghost.ts";
 import { hitAt, routeOf, statesAt } from "./hit/hit.ts";
 import type { CanvasHit } from "./hit/look.ts";
 import { extentOn } from "./hit/shown.ts";
-import { isNudge, type KeyPress, keyed } from "./keyed.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
-import { filling, revealing } from "./looks.ts";
 import { NO_OVERLAY, type Overlay, showing } from "./overlay.ts";
 import { DETAIL } from "./scene/detail.ts";
 import { connecting } from "./tools/connect.ts";
@@ -296,7 +296,7 @@ export class InteractionController {
   /** Handles a key; false if the canvas does not use it. */
   key(key: KeyPress): boolean {
     if (!isNudge(key)) this.flush();
-    return this.#gesture ? this.#gestureKey(this.#gesture, key) : keyed(this, this.#host, key);
+    return this.#gesture ? this.#gestureKey(this.#gesture, key) : handleKey(this, this.#host, key);
   }
 
   /** Handles a change of Shift, Ctrl or Alt while the pointer does not move. */

@@ -147,16 +147,16 @@ function buttonIn(box: HTMLElement): HTMLButtonElement {
 
 /** Calls back with the position of the pointer while it is pressed. */
 function listen(map: HTMLCanvasElement, tell: (at: Point) => void): void {
-  const told = (event: PointerEvent) => tell({ x: event.offsetX, y: event.offsetY });
+  const onPointer = (event: PointerEvent) => tell({ x: event.offsetX, y: event.offsetY });
   map.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     // The keyboard focus stays on the canvas.
     event.preventDefault();
     map.setPointerCapture(event.pointerId);
-    told(event);
+    onPointer(event);
   });
   map.addEventListener("pointermove", (event) => {
-    if (map.hasPointerCapture(event.pointerId)) told(event);
+    if (map.hasPointerCapture(event.pointerId)) onPointer(event);
   });
 }
 

@@ -16,12 +16,12 @@ function mount(view = newView(), runOverlay: () => RunOverlay = () => ({})) {
   const place = document.createElement("div");
   document.body.append(place);
   const session = new PlainMachineSession(ARM);
-  const told: string[] = [];
+  const notices: string[] = [];
   const menus: string[] = [];
   const page = {
     settings: signal(FIRST_SETTINGS),
     server: { link: signal({ state: "connecting" }) },
-    tell: ({ text }: { readonly text: string }) => told.push(text),
+    tell: ({ text }: { readonly text: string }) => notices.push(text),
   } as unknown as Page;
   const mounted = mountCanvas(place, {
     tab: { session, view, run: signal(null) },
@@ -32,7 +32,7 @@ function mount(view = newView(), runOverlay: () => RunOverlay = () => ({})) {
   });
   const root = place.querySelector<HTMLElement>("[role=application]");
   if (!root) throw new Error("no canvas");
-  return { place, session, view, told, menus, mounted, root };
+  return { place, session, view, notices, menus, mounted, root };
 }
 
 type At = { readonly x: number; readonly y: number };
@@ -92,7 +92,7 @@ test("a canvas that comes back in another size has the same in its middle, and f
   open.push(again.mounted);
   expect(view.camera.value).toEqual({ x: 225, y: 100, scale: 2 });
   expect(view.follows.value).toBe(true);
-  expect(again.told).toEqual([]);
+  expect(again.notices).toEqual([]);
 });
 
 test("a press that is dragged moves a state", () => {
@@ -179,9 +179,9 @@ test("a name is changed in place; what is refused is said and stays open, Escape
 });
 
 test("why something is not possible is told and said to screen readers", () => {
-  const { mounted, told, view, root } = mounting();
+  const { mounted, notices, view, root } = mounting();
   mounted.control.beginConnection();
-  expect(told).toHaveLength(1);
+  expect(notices).toHaveLength(1);
   view.camera.value = { x: 0, y: 0, scale: 1 };
   select(view, [{ kind: "outcome", path: "R/A", id: 1 }]);
   mounted.control.beginConnection();
@@ -198,16 +198,16 @@ test("what the selected state comes to in a run is said, and its breakpoint stan
   open.push(mounted);
   select(view, [{ kind: "state", path: "R/A" }]);
   vi.advanceTimersByTime(1_000);
-  const said = () => root.querySelector("[role=status]")?.textContent;
-  expect(said()).toBe("");
+  const status = () => root.querySelector("[role=status]")?.textContent;
+  expect(status()).toBe("");
   runOverlay.value = { runs: new Map([["R/A", held]]), breakpoints: new Map([["R/A", "on"]]) };
   vi.advanceTimersByTime(1_000);
-  expect(said()).toBe("Scan is paused");
+  expect(status()).toBe("Scan is paused");
   const active = root.querySelector(`#${root.getAttribute("aria-activedescendant")}`);
   expect(active?.textContent).toMatch(/^Scan, is paused, breakpoint, /);
   runOverlay.value = {};
   vi.advanceTimersByTime(1_000);
-  expect(said()).toBe("");
+  expect(status()).toBe("");
 });
 
 test("nothing is left when it is gone", () => {
@@ -272,8 +272,8 @@ test("a name that someone else changes meanwhile is said, and only Enter overwri
   if (!field) throw new Error("no field");
   field.value = "Mine";
   void session.edit("Rename", { edit: "set_name", path: "R/A", name: "Theirs" });
-  const said = () => place.querySelector("[role=alert]")?.textContent;
-  expect(said()).toBe(
+  const alert = () => place.querySelector("[role=alert]")?.textContent;
+  expect(alert()).toBe(
     "Someone renamed it to “Theirs”. Press Enter to keep your name, Escape to take theirs.",
   );
   field.dispatchEvent(new FocusEvent("blur"));

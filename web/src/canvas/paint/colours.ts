@@ -23,7 +23,7 @@ const VARIABLES: Readonly<Record<string, string>> = {
   drop: "--canvas-drop",
   selection: "--canvas-selection",
   hover: "--canvas-hover",
-  lit: "--canvas-lit",
+  highlight: "--canvas-highlight",
   hit: "--canvas-hit",
   trail: "--canvas-trail",
   text: "--text",

@@ -4,10 +4,10 @@ import type { ElementKey } from "../../model/element.ts";
 import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
 import type { LayoutNode } from "../layout_node.ts";
+import { highlightedBy } from "./highlight.ts";
 import type { SceneInput } from "./input.ts";
 import type { Label, SignGroup } from "./labels.ts";
 import { type Layer, newLayer, type TextMark } from "./list.ts";
-import { litBy } from "./lit.ts";
 
 /** A state with its place on the screen. */
 export interface SceneNode {
@@ -30,7 +30,7 @@ export class SceneBuilder {
   readonly layers: Layer[] = [];
   readonly wanted: string[] = [];
   readonly soon: LayoutNode[] = [];
-  readonly lit: ReadonlySet<ElementKey>;
+  readonly highlighted: ReadonlySet<ElementKey>;
   /** States in the focus of the user: selected, hovered, or with a selected part. */
   readonly focused: ReadonlySet<string>;
   readonly onlookers = new Map<string, number>();
@@ -57,7 +57,7 @@ export class SceneBuilder {
     this.input = input;
     this.width = input.view.width;
     this.height = input.view.height;
-    this.lit = litBy(input.layout, input.hovered);
+    this.highlighted = highlightedBy(input.layout, input.hovered);
     this.focused = focusedBy(input);
     input.people.forEach((person, index) => {
       for (const path of person.selection) this.onlookers.set(path, index);

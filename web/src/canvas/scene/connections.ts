@@ -45,7 +45,7 @@ function lineMarks(builder: SceneBuilder, node: SceneNode, line: RoutedLine, alp
 interface LineLook {
   readonly ink: Ink;
   readonly width: number;
-  /** True if the line is emphasized: selected, lit, different, or next in the run. */
+  /** True if the line is emphasized: selected, highlighted, different, or next in the run. */
   readonly loud: boolean;
   readonly dash?: boolean;
   readonly alpha?: number;
@@ -63,8 +63,8 @@ function lookOf(builder: SceneBuilder, line: RoutedLine): LineLook {
   if (builder.isSelected(key)) return { ink: "selection", width: 2.5, loud: true };
   const isHovered = isThat(builder.input.hovered, key);
   const difference = builder.input.differences.get(key);
-  if (builder.lit.has(key) || isHovered) {
-    return { ink: kind === "transition" ? "lit" : "data", width: 2.25, loud: true };
+  if (builder.highlighted.has(key) || isHovered) {
+    return { ink: kind === "transition" ? "highlight" : "data", width: 2.25, loud: true };
   }
   if (difference) return { ink: difference, width: 2, loud: true };
   const run = builder.input.taken.get(key);

@@ -44,8 +44,8 @@ const MACHINE = machineOf(
 
 const MARK: RunMark = {
   phase: "running",
-  loudest: "running",
-  loudestActive: "running",
+  mostUrgent: "running",
+  mostUrgentActive: "running",
   isLeaf: false,
   lanes: 2,
   age: 0,

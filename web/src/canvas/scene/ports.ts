@@ -85,7 +85,7 @@ export function portInk(port: Pick<PortPlace, "kind" | "id">): Ink {
 
 function outlineOf(builder: SceneBuilder, port: PortPlace): Ink | null {
   if (builder.isSelected(port.key)) return "selection";
-  if (builder.lit.has(port.key)) return "lit";
+  if (builder.highlighted.has(port.key)) return "highlight";
   const difference = builder.input.differences.get(port.key);
   if (difference) return difference;
   const legal = builder.input.overlay.targets.get(port.key);

@@ -24,8 +24,8 @@ const MACHINE = machineOf(
 
 const MARK: RunMark = {
   phase: "running",
-  loudest: "running",
-  loudestActive: "running",
+  mostUrgent: "running",
+  mostUrgentActive: "running",
   isLeaf: true,
   lanes: 0,
   age: 0,
@@ -43,7 +43,7 @@ function about(words: string, marked: Marked, scale = 1, more: Partial<SceneInpu
   const runs = new Map(
     Object.entries(marked).map(([path, mark]) => {
       const phase = mark.phase ?? "running";
-      return [path, { ...MARK, loudest: phase, loudestActive: phase, ...mark }] as const;
+      return [path, { ...MARK, mostUrgent: phase, mostUrgentActive: phase, ...mark }] as const;
     }),
   );
   const list = scene({
@@ -95,7 +95,7 @@ describe("phases are told apart by colour, shape and word", () => {
   });
 
   test("what failed before and runs again says both", () => {
-    const text = shown({ "R/A": { failed: true, loudest: "failed", since_ms: 2_000 } }, 2);
+    const text = shown({ "R/A": { failed: true, mostUrgent: "failed", since_ms: 2_000 } }, 2);
     expect(text).toContain("icon state:R/A run running");
     expect(text).toContain("icon state:R/A run failed");
     expect(text).toContain('"failed · running · 2 s"');
@@ -132,14 +132,14 @@ describe("the same at every size", () => {
   });
 
   test("states that are too small to be seen have the colour of the loudest inside", () => {
-    const marks = { "R/B": { phase: "running", loudest: "failed", isLeaf: false } } as const;
+    const marks = { "R/B": { phase: "running", mostUrgent: "failed", isLeaf: false } } as const;
     expect(about("speck state:R/B", marks, 0.15)).toEqual([
       "1 speck state:R/B 33 9 21 18 aborted 45%",
     ]);
   });
 
   test("a closed container in which something waits shows that, whatever failed in it before", () => {
-    const inside = { isLeaf: false, loudest: "failed", loudestActive: "waiting" } as const;
+    const inside = { isLeaf: false, mostUrgent: "failed", mostUrgentActive: "waiting" } as const;
     const mark = { ...inside, since_ms: 2_000, failed: true };
     const text = about("state:R/B run", { "R/B": mark }, 0.7).join("\n");
     expect(text).toContain("icon state:R/B run waiting");
@@ -150,7 +150,7 @@ describe("the same at every size", () => {
   });
 
   test("a closed container shows the loudest inside, and how many branches", () => {
-    const marks = { "R/B": { isLeaf: false, loudest: "waiting", lanes: 3 } } as const;
+    const marks = { "R/B": { isLeaf: false, mostUrgent: "waiting", lanes: 3 } } as const;
     const text = about("state:R/B run", marks, 0.7).join("\n");
     expect(text).toContain("icon state:R/B run waiting");
     expect(text).toContain('"3"');

@@ -55,7 +55,7 @@ export function runMarks(
 ): void {
   const layer = builder.layer(node.depth);
   const phase = isOpen ? mark.phase : closedPhase(mark);
-  const hasFailed = phase !== "failed" && (isOpen ? mark.failed : mark.loudest === "failed");
+  const hasFailed = phase !== "failed" && (isOpen ? mark.failed : mark.mostUrgent === "failed");
   if (phase === "inside") {
     visitMarks(builder, node);
     return;
@@ -79,9 +79,9 @@ export function runMarks(
 
 /** Phase of a state with hidden content: the most urgent one inside. An earlier failure does not hide an active or waiting state. */
 export function closedPhase(mark: RunMark): MarkPhase {
-  const { phase, loudest, loudestActive, since_ms, isLeaf } = mark;
+  const { phase, mostUrgent, mostUrgentActive, since_ms, isLeaf } = mark;
   if (isLeaf) return phase;
-  return loudest === "failed" && since_ms !== null ? loudestActive : loudest;
+  return mostUrgent === "failed" && since_ms !== null ? mostUrgentActive : mostUrgent;
 }
 
 /** Plate with the number of visits, for states without other run marks. */

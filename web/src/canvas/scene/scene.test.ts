@@ -188,8 +188,11 @@ describe("what is picked out", () => {
 
   test("an outcome under the pointer lights where it leads", () => {
     const hovered = { kind: "outcome", path: "R/B/C", id: 0 } as const;
-    const lit = about(seen(2, { hovered }), " lit");
-    expect(lit.map((line) => line.split(" ")[2])).toEqual(["transition:R:3", "transition:R/B:1"]);
+    const highlighted = about(seen(2, { hovered }), " highlight");
+    expect(highlighted.map((line) => line.split(" ")[2])).toEqual([
+      "transition:R:3",
+      "transition:R/B:1",
+    ]);
   });
 
   test("aborted and preempted hide while nothing leaves them, and show when asked for", () => {

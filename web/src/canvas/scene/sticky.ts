@@ -134,7 +134,7 @@ function stuckDot(builder: SceneBuilder, { port, at, side }: StickyPort): DotMar
     toX: sign * x,
     toY: sign * y,
     fill: portInk(port),
-    stroke: builder.lit.has(port.key) ? "lit" : null,
+    stroke: builder.highlighted.has(port.key) ? "highlight" : null,
     alpha: 1,
   };
 }

@@ -231,7 +231,7 @@ function atState(
       ? leadsFrom(machine, from)
       : isRefused(plan)
         ? plan.refused
-        : said(plan, machine.state(path)?.name ?? path),
+        : additionInWords(plan, machine.state(path)?.name ?? path),
     plan: () => plan,
   };
 }
@@ -252,7 +252,7 @@ function isAtBorder(
 }
 
 /** Message about the port or outcome that a connection to a state adds there. */
-function said(plan: Plan, name: string): string {
+function additionInWords(plan: Plan, name: string): string {
   const edits = editsOf(plan.edit);
   const port = edits.find((edit) => edit.edit === "add_port");
   const outcome = edits.find((edit) => edit.edit === "add_outcome");

@@ -169,8 +169,8 @@ describe("where a container continues from", () => {
 const written = (marks: ReturnType<typeof stateMarks>) =>
   [...marks]
     .sort(([one], [other]) => (one < other ? -1 : 1))
-    .map(([path, { phase, loudest, isLeaf, lanes, age, failed }]) =>
-      [path, phase, loudest !== phase && loudest, isLeaf && "leaf", lanes > 0 && lanes]
+    .map(([path, { phase, mostUrgent, isLeaf, lanes, age, failed }]) =>
+      [path, phase, mostUrgent !== phase && mostUrgent, isLeaf && "leaf", lanes > 0 && lanes]
         .concat([age > 0 && `age ${age}`, failed && "failed"])
         .filter((word) => word !== false)
         .join(" "),
@@ -197,9 +197,9 @@ test("a held branch shows which state comes next", () => {
 test("what waits is told around it, whatever failed there before", () => {
   const all = [active("R"), active("R/C"), active("R/C/X", "waiting"), active("R/C/Y")];
   const marks = stateMarks(all, recentPathOf(">R"), new Set(["R/C/X/U", "R/C"]));
-  const around = ["R", "R/C", "R/C/X", "R/C/Y"].map((path) => marks.get(path)?.loudestActive);
+  const around = ["R", "R/C", "R/C/X", "R/C/Y"].map((path) => marks.get(path)?.mostUrgentActive);
   expect(around).toEqual(["waiting", "waiting", "waiting", "running"]);
-  expect(marks.get("R")?.loudest).toBe("failed");
+  expect(marks.get("R")?.mostUrgent).toBe("failed");
 });
 
 test("around a branch that waits all waits, unless something beside it is at work", () => {

@@ -36,9 +36,9 @@ export type MarkPhase =
 export interface RunMark {
   readonly phase: MarkPhase;
   /** Most urgent phase of the state and all states inside it. */
-  readonly loudest: MarkPhase;
+  readonly mostUrgent: MarkPhase;
   /** Most urgent phase other than `failed`, so that failures hide neither activity nor states that need a person. */
-  readonly loudestActive: MarkPhase;
+  readonly mostUrgentActive: MarkPhase;
   /** True if it is active and no state inside it is. */
   readonly isLeaf: boolean;
   /** Number of active branches inside it. */
@@ -73,7 +73,7 @@ interface RunMarks {
 }
 
 /** In ascending urgency. */
-const LOUDNESS: readonly MarkPhase[] = [
+const URGENCY: readonly MarkPhase[] = [
   "inside",
   "trail",
   "preempted",
@@ -163,7 +163,7 @@ export function stateMarks(
   const mark = (path: string, phase: MarkPhase): RunMarkDraft => {
     const found = marks.get(path) ?? newMark();
     marks.set(path, found);
-    if (louder(phase, found.phase)) found.phase = phase;
+    if (isMoreUrgent(phase, found.phase)) found.phase = phase;
     return found;
   };
   for (const { path, age, outcome } of recentPath.past()) {
@@ -173,9 +173,9 @@ export function stateMarks(
   for (const path of failed) mark(path, "failed").failed = true;
   activeMarks(active, mark);
   for (const [path, { phase, failed: isFailed }] of [...marks]) {
-    spread(path, phase, "loudest", mark);
-    if (phase !== "failed") spread(path, phase, "loudestActive", mark);
-    if (isFailed) spread(path, "failed", "loudest", mark);
+    spread(path, phase, "mostUrgent", mark);
+    if (phase !== "failed") spread(path, phase, "mostUrgentActive", mark);
+    if (isFailed) spread(path, "failed", "mostUrgent", mark);
   }
   return marks;
 }
@@ -221,8 +221,8 @@ function stillAround(active: readonly Active[]): readonly string[] {
 function newMark(): RunMarkDraft {
   return {
     phase: "inside",
-    loudest: "inside",
-    loudestActive: "inside",
+    mostUrgent: "inside",
+    mostUrgentActive: "inside",
     isLeaf: false,
     lanes: 0,
     age: 0,
@@ -237,20 +237,20 @@ function newMark(): RunMarkDraft {
 function spread(
   path: string,
   phase: MarkPhase,
-  what: "loudest" | "loudestActive",
+  what: "mostUrgent" | "mostUrgentActive",
   mark: (path: string, phase: MarkPhase) => RunMarkDraft,
 ) {
   for (let at: string | null = path; at !== null; at = parentOf(at)) {
     const found = mark(at, "inside");
-    const isLouder = louder(phase, found[what]);
-    if (isLouder) found[what] = phase;
+    const isRaised = isMoreUrgent(phase, found[what]);
+    if (isRaised) found[what] = phase;
     else if (at !== path) return;
     if (phase === "trail") return;
   }
 }
 
-export function louder(one: MarkPhase, other: MarkPhase): boolean {
-  return LOUDNESS.indexOf(one) > LOUDNESS.indexOf(other);
+export function isMoreUrgent(one: MarkPhase, other: MarkPhase): boolean {
+  return URGENCY.indexOf(one) > URGENCY.indexOf(other);
 }
 
 function lineMarks(

@@ -4,8 +4,8 @@ import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
+import { filling } from "./framing.ts";
 import type { InteractionController, InteractionHost } from "./interaction.ts";
-import { filling } from "./looks.ts";
 import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
 
@@ -33,7 +33,7 @@ export function isNudge({ key, ctrl, alt, shift }: KeyPress): boolean {
 }
 
 /** Runs the action of the key; false if the canvas does not use it. */
-export function keyed(
+export function handleKey(
   controller: InteractionController,
   host: InteractionHost,
   key: KeyPress,

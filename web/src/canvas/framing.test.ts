@@ -2,7 +2,7 @@ import fc from "fast-check";
 import { expect, test } from "vitest";
 import { contains } from "../model/geometry.ts";
 import { screenBox } from "./camera.ts";
-import { filling, revealing } from "./looks.ts";
+import { filling, revealing } from "./framing.ts";
 
 const SIZE = { width: 800, height: 600 };
 const box = fc.record({

@@ -9,7 +9,10 @@ import type { RoutedLine } from "../lines.ts";
 const NOTHING: ReadonlySet<ElementKey> = new Set();
 
 /** Keys of the ports, connections and states that belong to the hovered element. */
-export function litBy(layout: LayoutTree, hovered: ElementRef | null): ReadonlySet<ElementKey> {
+export function highlightedBy(
+  layout: LayoutTree,
+  hovered: ElementRef | null,
+): ReadonlySet<ElementKey> {
   switch (hovered?.kind) {
     case "outcome":
       return onwards(layout, [keyOf(hovered)]);
@@ -35,17 +38,17 @@ function alongLine(layout: LayoutTree, hovered: ElementRef): ReadonlySet<Element
 
 /** From an outcome to the state that runs next, across any number of containers. */
 function onwards(layout: LayoutTree, from: readonly ElementKey[]): ReadonlySet<ElementKey> {
-  const lit = new Set<ElementKey>();
+  const highlighted = new Set<ElementKey>();
   const open = [...from];
   for (let key = open.pop(); key !== undefined; key = open.pop()) {
-    if (lit.has(key)) continue;
-    lit.add(key);
+    if (highlighted.has(key)) continue;
+    highlighted.add(key);
     for (const line of linesFrom(layout, key)) {
-      lit.add(line.key);
+      highlighted.add(line.key);
       open.push(line.to);
     }
   }
-  return lit;
+  return highlighted;
 }
 
 function linesFrom(layout: LayoutTree, port: ElementKey): readonly RoutedLine[] {
@@ -66,18 +69,18 @@ function flowed(
   here: "from" | "to",
   there: "from" | "to",
 ): ReadonlySet<ElementKey> {
-  const lit = new Set<ElementKey>();
+  const highlighted = new Set<ElementKey>();
   const open = [port];
   for (let key = open.pop(); key !== undefined; key = open.pop()) {
-    if (lit.has(key)) continue;
-    lit.add(key);
+    if (highlighted.has(key)) continue;
+    highlighted.add(key);
     for (const line of flowsAt(layout, key)) {
       if (line[here] !== key) continue;
-      lit.add(line.key);
+      highlighted.add(line.key);
       open.push(line[there]);
     }
   }
-  return lit;
+  return highlighted;
 }
 
 /** Data flows in the two containers of a port: around its state, and inside it. */
