@@ -3,7 +3,7 @@
 
 import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
 import { useEffect, useState } from "react";
-import { fewInWords } from "../model/few.ts";
+import { joinFew } from "../model/join_few.ts";
 import { namesTo } from "../model/machine.ts";
 import { useRefusalOf } from "../panels/context.tsx";
 import type { Watch } from "../store/history/run.ts";
@@ -90,7 +90,7 @@ function placesInWords(tab: OpenTab, watch: Watch): string {
   const leaves = active.filter(
     ({ path }) => !active.some((other) => other.path.startsWith(`${path}/`)),
   );
-  return fewInWords(leaves.map(({ path }) => namesTo(tab.session.machine, path).at(-1) ?? path));
+  return joinFew(leaves.map(({ path }) => namesTo(tab.session.machine, path).at(-1) ?? path));
 }
 
 /** The last line that the program wrote, if it wrote any. */

@@ -259,8 +259,8 @@ function tokensOf(text: string): readonly Token[] {
       );
     const [whole, number, quoted, word, sign] = found;
     const kind = number ? "number" : quoted ? "text" : word ? "word" : "sign";
-    const said = number ?? quoted ?? word ?? sign ?? "";
-    tokens.push({ kind, text: said, at: at + whole.length - said.length });
+    const content = number ?? quoted ?? word ?? sign ?? "";
+    tokens.push({ kind, text: content, at: at + whole.length - content.length });
   }
   return [...tokens, { kind: "end", text: "", at: end }];
 }

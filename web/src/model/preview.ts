@@ -37,13 +37,13 @@ function began(
   close: string,
 ): string | null {
   let inner = "";
-  let told = 0;
+  let included = 0;
   for (const part of parts) {
-    const next = told === 0 ? part : `${inner}, ${part}`;
+    const next = included === 0 ? part : `${inner}, ${part}`;
     if (next.length + 2 + MORE.length > max) break;
     inner = next;
-    told += 1;
+    included += 1;
   }
-  if (told === 0) return null;
-  return `${open}${inner}${told < count ? MORE : ""}${close}`;
+  if (included === 0) return null;
+  return `${open}${inner}${included < count ? MORE : ""}${close}`;
 }

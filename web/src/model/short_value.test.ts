@@ -31,12 +31,12 @@ test.each([
 
 test("arrays by their numbers if these are few, else by type and shape", () => {
   const array = { __repr__: "array(…)", __class__: "ndarray", __dtype__: "float64" };
-  const few = {
+  const elements = {
     ...array,
     __shape__: [3],
     __items__: [1, 2.5, { __repr__: "nan", __class__: "float" }],
   };
-  expect(shortValue(few)).toBe("[1, 2.5, nan]");
+  expect(shortValue(elements)).toBe("[1, 2.5, nan]");
   const many = { ...array, __shape__: [480, 640], __items__: [0, 0, 0, 0], __sampled__: [2, 2] };
   expect(shortValue(many)).toBe("float64 ⟨480×640⟩");
   expect(shortValue({ ...array, __shape__: [], __items__: [2.5] })).toBe("2.5");

@@ -45,8 +45,8 @@ function readPart(lines: readonly string[]): Traceback {
   const script = frames[0]?.file;
   const own = frames.findLast(({ file }) => file === script) ?? null;
   const link = lines.findIndex((line) => LINK.test(line));
-  const said = lines.slice(at, link < 0 ? lines.length : link).map(withoutModule);
-  return { frames, own, message: said.join("\n").trimEnd(), causes: [] };
+  const messageLines = lines.slice(at, link < 0 ? lines.length : link).map(withoutModule);
+  return { frames, own, message: messageLines.join("\n").trimEnd(), causes: [] };
 }
 
 /** An error line without the module name of a script: `NoPath: none` for `script160.NoPath: none`. */

@@ -11,7 +11,7 @@ export interface LocalStore {
   /** Stored keys with this prefix. */
   readonly keys: (prefix: string) => readonly string[];
   /** Calls the listener when another tab of the browser changes the value. */
-  readonly whenOther: (key: string, told: () => void) => void;
+  readonly whenOther: (key: string, listener: () => void) => void;
 }
 
 /** Reason why the browser's storage failed; null before a failure. Remains until the page is closed. */
@@ -53,9 +53,9 @@ export function localStoreOf(
         return [];
       }
     },
-    whenOther: (key, told) => {
+    whenOther: (key, listener) => {
       window.addEventListener("storage", (event) => {
-        if (event.key === prefix + key || event.key === null) told();
+        if (event.key === prefix + key || event.key === null) listener();
       });
     },
   };

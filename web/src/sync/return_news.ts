@@ -1,7 +1,7 @@
 /** Gathers what open machines report when a server comes back, so that a restart is one notice however many tabs there are. Knows
  * words and a clock, not what a machine is. */
 
-import { fewInWords } from "../model/few.ts";
+import { joinFew } from "../model/join_few.ts";
 import type { Page } from "../store/page/page.ts";
 import type { Clock } from "./clock.ts";
 
@@ -36,10 +36,10 @@ export function gatherReturnNews(clock: Clock, tell: Page["tell"]): ReturnNews {
 
 function returnInWords(reloaded: readonly string[], restored: readonly string[]): string {
   const sentences = [];
-  if (reloaded.length > 0) sentences.push(`Reloaded from the server: ${fewInWords(reloaded)}.`);
+  if (reloaded.length > 0) sentences.push(`Reloaded from the server: ${joinFew(reloaded)}.`);
   if (restored.length > 0) {
     sentences.push(
-      `Unsaved edits from before the server ended are restored: ${fewInWords(restored)}.`,
+      `Unsaved edits from before the server ended are restored: ${joinFew(restored)}.`,
     );
   }
   return sentences.join(" ");

@@ -52,22 +52,22 @@ function Column({ tab, branch, side, title, watch, at, show }: ColumnProps) {
       <h4 className={`compare-side compare-side-${side}`}>{title}</h4>
       <ol aria-label={`${title}, around the difference`}>
         {(journal ? entriesAround(journal, branch, at?.sequence ?? null) : []).map((index) => {
-          const happening = journal?.at(index);
-          if (!happening) return null;
-          const isIt = happening.sequence === at?.sequence;
+          const entry = journal?.at(index);
+          if (!entry) return null;
+          const isIt = entry.sequence === at?.sequence;
           return (
             <li key={index}>
               <button
                 type="button"
                 className={`compare-event ${isIt ? "compare-parted" : ""}`}
-                aria-label={`${isIt ? "Runs diverge here: " : ""}${happenedInWords(happening, nameOf)}, in ${title.toLowerCase()}`}
-                onClick={() => show(side, happening.sequence)}
+                aria-label={`${isIt ? "Runs diverge here: " : ""}${happenedInWords(entry, nameOf)}, in ${title.toLowerCase()}`}
+                onClick={() => show(side, entry.sequence)}
               >
                 <span className="compare-mark" aria-hidden>
                   {isIt ? "≠" : ""}
                 </span>
-                <span className="compare-what">{happenedInWords(happening, nameOf)}</span>
-                <span className="compare-when">{missionTime(happening.t_ns)}</span>
+                <span className="compare-what">{happenedInWords(entry, nameOf)}</span>
+                <span className="compare-when">{missionTime(entry.t_ns)}</span>
               </button>
             </li>
           );

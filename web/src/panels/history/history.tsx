@@ -15,7 +15,7 @@ import { entryOf as entryOfCommand } from "../../commands/menus.ts";
 import { callAbout } from "../../store/history/about.ts";
 import { type Calls, callsOf, NONE } from "../../store/history/calls.ts";
 import { errorInWords } from "../../store/history/failures.ts";
-import type { Happening } from "../../store/history/journal.ts";
+import type { JournalEntry } from "../../store/history/journal.ts";
 import { hasFailed, lookOf } from "../../store/history/lanes.ts";
 import { shownIndex, toEnd } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
@@ -144,10 +144,10 @@ function useShow(tab: OpenTab, watch: Watch): ShowEntry {
   };
 }
 
-function pathIn(happening: Happening | undefined): string {
-  if (!happening) return "";
-  if (happening.kind !== "other") return happening.path;
-  return "path" in happening.event ? happening.event.path : "";
+function pathIn(entry: JournalEntry | undefined): string {
+  if (!entry) return "";
+  if (entry.kind !== "other") return entry.path;
+  return "path" in entry.event ? entry.event.path : "";
 }
 
 interface HistoryMenu {
@@ -331,8 +331,8 @@ function Hits({ tab, watch, query, show, onMenu }: HistoryListProps & { readonly
   }
   const shown = shownPlace(watch, found);
   const words = (place: number) => {
-    const happening = found.at(place);
-    return happening ? happenedInWords(happening, nameOf) : "no longer loaded";
+    const entry = found.at(place);
+    return entry ? happenedInWords(entry, nameOf) : "no longer loaded";
   };
   return (
     <Tree<number>

@@ -3,8 +3,8 @@
 
 import { GitCompareArrows, RotateCcw, TriangleAlert, Undo2 } from "lucide-react";
 import type { ReactNode } from "react";
-import { fewInWords } from "../../model/few.ts";
 import type { OnCrash } from "../../model/generated/protocol.ts";
+import { joinFew } from "../../model/join_few.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { activeStates, lanes } from "../../store/run/active.ts";
 import { Button } from "../../ui/button.tsx";
@@ -60,7 +60,7 @@ function ResumeCrashed({ watch }: { readonly watch: Watch }) {
   const run = useCommand();
   const names = useMachineNames();
   const active = useComputed(() => lanes(activeStates(watch)), [watch]);
-  const where = fewInWords(active.map(({ path }) => pathInWords(names, path)));
+  const where = joinFew(active.map(({ path }) => pathInWords(names, path)));
   const refusal = useRefusalOf("run.resume-crashed");
   return (
     <section className="mission-part mission-crash" aria-label="The run crashed">

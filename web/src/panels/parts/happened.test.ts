@@ -10,8 +10,8 @@ function words(entries: Parameters<Journal["add"]>[0]): readonly string[] {
   const journal = new Journal();
   journal.add(entries, entries.length + 1);
   return Array.from({ length: journal.length }, (_, index) => {
-    const happening = journal.at(index);
-    return happening ? happenedInWords(happening, nameOf) : "";
+    const entry = journal.at(index);
+    return entry ? happenedInWords(entry, nameOf) : "";
   });
 }
 

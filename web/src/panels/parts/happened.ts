@@ -5,7 +5,7 @@ import { idOf, lineage } from "../../model/path.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import { LOSS_WORDS } from "../../model/run_words.ts";
 import type { MachineSession } from "../../store/document/machine_session.ts";
-import type { Happening } from "../../store/history/journal.ts";
+import type { JournalEntry } from "../../store/history/journal.ts";
 
 export type NameOf = (path: string) => string;
 
@@ -33,12 +33,12 @@ function askFor(session: MachineSession, path: string): void {
 }
 
 /** Such as `Look entered`, `Look ended with seen`, `Look: careful`. */
-export function happenedInWords(happening: Happening, nameOf: NameOf): string {
-  if (happening.kind === "other") return eventInWords(happening.event, nameOf);
-  const name = nameOf(happening.path);
-  if (happening.kind === "entered") return `${name} entered${happening.isBack ? " backwards" : ""}`;
-  if (happening.isBack) return `${name} undone`;
-  return `${name} ended with ${happening.outcome?.name ?? "nothing"}`;
+export function happenedInWords(entry: JournalEntry, nameOf: NameOf): string {
+  if (entry.kind === "other") return eventInWords(entry.event, nameOf);
+  const name = nameOf(entry.path);
+  if (entry.kind === "entered") return `${name} entered${entry.isBack ? " backwards" : ""}`;
+  if (entry.isBack) return `${name} undone`;
+  return `${name} ended with ${entry.outcome?.name ?? "nothing"}`;
 }
 
 function eventInWords(event: Event, nameOf: NameOf): string {

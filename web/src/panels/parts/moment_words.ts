@@ -27,8 +27,8 @@ export function useMoment(tab: OpenTab, watch: Watch): MomentWords {
   if (playhead !== null && window.base !== null && !window.covers(playhead)) {
     return { index, when: "", what: "Loading the events around this moment" };
   }
-  const happening = window.at(index);
-  if (!happening) return { index, when: "", what: "Nothing has happened yet" };
-  const when = runTime(watch, happening.t_ns);
-  return { index, when, what: happenedInWords(happening, namesOf(tab.session)) };
+  const entry = window.at(index);
+  if (!entry) return { index, when: "", what: "Nothing has happened yet" };
+  const when = runTime(watch, entry.t_ns);
+  return { index, when, what: happenedInWords(entry, namesOf(tab.session)) };
 }

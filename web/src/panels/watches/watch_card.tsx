@@ -184,7 +184,7 @@ function Over({ watched }: { watched: ShownValue }) {
   const { history, watch } = watched;
   useSignal(history.changed);
   const refusal = useSignal(history.refusal);
-  const isTold = useSignal(history.isTold);
+  const isLoaded = useSignal(history.isLoaded);
   const { points, changes } = history.series;
   return (
     <>
@@ -196,7 +196,7 @@ function Over({ watched }: { watched: ShownValue }) {
         </>
       )}
       {points.length === 0 && changes.length > 0 && <Changes changes={changes} watch={watch} />}
-      {isTold && history.series.count === 0 && (
+      {isLoaded && history.series.count === 0 && (
         <p className="watches-faint">No value yet in this run.</p>
       )}
     </>

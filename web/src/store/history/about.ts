@@ -5,16 +5,16 @@ import { lowerBound } from "./column.ts";
 
 /** The call that the event begins or ends, or whose state it names; otherwise the innermost call open at that time. */
 export function callAbout(calls: Calls, index: number): number {
-  const happening = calls.journal.at(index);
-  const path = happening && pathOf(happening);
+  const entry = calls.journal.at(index);
+  const path = entry && pathOf(entry);
   const call = path ? lastOf(calls, path, index) : NONE;
   const isHere = call !== NONE && (calls.isOpenAt(call, index) || calls.end(call) === index);
   return isHere ? call : calls.openAt(index);
 }
 
-function pathOf(happening: NonNullable<ReturnType<Calls["journal"]["at"]>>): string {
-  if (happening.kind !== "other") return happening.path;
-  return "path" in happening.event ? happening.event.path : "";
+function pathOf(entry: NonNullable<ReturnType<Calls["journal"]["at"]>>): string {
+  if (entry.kind !== "other") return entry.path;
+  return "path" in entry.event ? entry.event.path : "";
 }
 
 /** Last call of a state that began at this event or before it; NONE if none did. */

@@ -4,7 +4,7 @@ import { Calls, NONE } from "./calls.ts";
 import { Journal } from "./journal.ts";
 import { lookOf } from "./lanes.ts";
 
-function told(entries: Parameters<Journal["add"]>[0]): Calls {
+function callsFrom(entries: Parameters<Journal["add"]>[0]): Calls {
   const journal = new Journal();
   journal.add(entries, entries.length + 1);
   const calls = new Calls(journal);
@@ -29,7 +29,7 @@ function written(calls: Calls): string {
 }
 
 test("entries and ends are calls inside one another", () => {
-  const calls = told(
+  const calls = callsFrom(
     events(`> R
       > R/A
       < R/A done
@@ -52,7 +52,7 @@ test("entries and ends are calls inside one another", () => {
 });
 
 test("what goes back or dies is dropped with all inside it, and begins anew", () => {
-  const calls = told(
+  const calls = callsFrom(
     events(`> R
       > R/A
       > R/A/B
@@ -84,7 +84,7 @@ test("however the events are cut, the calls are the same", () => {
       journal.add(all.slice(from, from + 1 + (seed % 7)), from + 2);
       calls.follow();
     }
-    expect(written(calls)).toBe(written(told(all)));
+    expect(written(calls)).toBe(written(callsFrom(all)));
   }
 });
 

@@ -78,8 +78,8 @@ test("at any moment, from any other one, all is as if it were counted from scrat
       for (const [far, by] of steps) {
         for (const index of [far, Math.max(0, Math.min(journal.length, far + by))]) {
           const before = new Journal();
-          const told = randomRun(7, 1_500).slice(0, index);
-          before.add(told, index + 1);
+          const earlier = randomRun(7, 1_500).slice(0, index);
+          before.add(earlier, index + 1);
           const [entries, totals] = [new Map<string, number>(), new Map<string, number>()];
           for (const count of countsUntil(journal, index).all()) {
             entries.set(count.path, count.entries);

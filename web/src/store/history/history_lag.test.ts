@@ -4,9 +4,9 @@ import { historyLag } from "./history_lag.ts";
 import { Journal } from "./journal.ts";
 import type { Watch } from "./run.ts";
 
-function missing(told: number, disk_safe: number | null, events: number): number {
+function missing(received: number, disk_safe: number | null, events: number): number {
   const journal = new Journal();
-  journal.add([], told + 1);
+  journal.add([], received + 1);
   const now = { run: { events }, snapshot: disk_safe === null ? null : { disk_safe } };
   const watch = { journal, journalVersion: signal(0), now: signal(now) };
   return historyLag(watch as unknown as Watch);

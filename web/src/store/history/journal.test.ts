@@ -3,7 +3,7 @@ import type { Event, HistoryEntry } from "../../model/generated/protocol.ts";
 import { Journal } from "./journal.ts";
 
 /** Events as short text: `1 0 > R` is an entry, `2 5 < R done` an end, `!` after the path a step back, `3 6 = x` a log line. */
-function told(text: string): readonly HistoryEntry[] {
+function entriesFrom(text: string): readonly HistoryEntry[] {
   return text
     .trim()
     .split("\n")
@@ -49,7 +49,7 @@ const RUN = `1 0 > R
 
 test("what was told is there once, whatever comes twice and however it is cut", () => {
   const journal = new Journal();
-  const all = told(RUN);
+  const all = entriesFrom(RUN);
   journal.add(all.slice(0, 4), 6);
   journal.add(all.slice(2), 12);
   journal.add(all, 12);
@@ -59,14 +59,14 @@ test("what was told is there once, whatever comes twice and however it is cut", 
 
 test("events are found by number and by time", () => {
   const journal = new Journal();
-  journal.add(told(RUN), 10);
+  journal.add(entriesFrom(RUN), 10);
   expect([journal.indexOf(3), journal.indexOf(5), journal.indexOf(99)]).toEqual([2, 3, 8]);
   expect([journal.indexAt(0), journal.indexAt(11), journal.indexAt(99)]).toEqual([0, 2, 8]);
 });
 
 test("entries, ends and times are counted, and steps back are not", () => {
   const journal = new Journal();
-  journal.add(told(RUN), 10);
+  journal.add(entriesFrom(RUN), 10);
   const count = journal.counts.get("R/A");
   expect(count).toMatchObject({ entries: 2, ends: 2, total_ns: 40, min_ns: 20, max_ns: 20 });
   expect(count?.last).toEqual({ id: 0, name: "ok" });

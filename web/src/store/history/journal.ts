@@ -19,7 +19,7 @@ export const LEFT = 1;
 export const OTHER = 2;
 
 /** An entry or end of a state, or another event as a whole. */
-export type Happening =
+export type JournalEntry =
   | {
       readonly kind: "entered" | "left";
       readonly sequence: number;
@@ -177,7 +177,7 @@ export class Journal {
   }
 
   /** The event with all its kept data; undefined beyond the end, and for dropped events. */
-  at(index: number): Happening | undefined {
+  at(index: number): JournalEntry | undefined {
     if (index < 0 || index >= this.length) return undefined;
     const [sequence, t_ns, kind] = [this.sequence(index), this.t_ns(index), this.kind(index)];
     if (kind === OTHER) {

@@ -4,7 +4,7 @@ import { Calls } from "./calls.ts";
 import { Journal } from "./journal.ts";
 import { type CallRow, type Lane, lookOf, RunLanes } from "./lanes.ts";
 
-class Told {
+class RecordedRun {
   readonly journal = new Journal();
   readonly calls = new Calls(this.journal);
   readonly lanes = new RunLanes(this.calls);
@@ -18,7 +18,7 @@ class Told {
 }
 
 /** Each lane with its rows and leaves: the first events of calls, and the number of failures. */
-function written({ calls, lanes }: Told): string {
+function written({ calls, lanes }: RecordedRun): string {
   const first = (call: number) => calls.journal.sequence(calls.begin(call));
   const row = (each: CallRow) => `${each.calls.map(first).join(" ")} (${each.failed(0, Infinity)})`;
   const lane = (each: Lane) => [...each.rows, each.leaves].map(row).join(" | ");
@@ -29,7 +29,7 @@ function written({ calls, lanes }: Told): string {
 }
 
 test("each branch of concurrency has a lane inside that of its concurrency state", () => {
-  const told = new Told().add(
+  const run = new RecordedRun().add(
     events(`> R
       > R/A
       < R/A done
@@ -42,7 +42,7 @@ test("each branch of concurrency has a lane inside that of its concurrency state
       < R/P/Z preempted
       < R/P done`),
   );
-  expect(written(told)).toBe(
+  expect(written(run)).toBe(
     `R: 1 (0) | 2 4 (0) | 2 4 (0)
   R/P/X: 5 (1) | 6 (1) | 6 (1)
   R/P/Z: 7 (0) | 7 (0)`,
@@ -52,17 +52,17 @@ test("each branch of concurrency has a lane inside that of its concurrency state
 test("however the events are cut, the lanes are the same", () => {
   for (let seed = 1; seed <= 20; seed++) {
     const all = randomRun(seed, 400);
-    const cut = new Told();
+    const cut = new RecordedRun();
     for (let from = 0; from < all.length; from += 1 + (seed % 9)) {
       cut.add(all.slice(from, from + 1 + (seed % 9)));
     }
-    expect(written(cut)).toBe(written(new Told().add(all)));
+    expect(written(cut)).toBe(written(new RecordedRun().add(all)));
   }
 });
 
 test("in a row one call comes after the other, and is found by its events", () => {
   for (let seed = 1; seed <= 20; seed++) {
-    const { calls, lanes } = new Told().add(randomRun(seed, 400));
+    const { calls, lanes } = new RecordedRun().add(randomRun(seed, 400));
     for (const { rows } of lanes.all()) {
       for (const row of rows) {
         for (const [at, call] of row.calls.entries()) {
@@ -77,8 +77,8 @@ test("in a row one call comes after the other, and is found by its events", () =
 });
 
 test("a hundred thousand events are put into lanes at once, and looks are told apart", () => {
-  const told = new Told().add(randomRun(7, 100_000));
-  expect(told.journal.length).toBeGreaterThanOrEqual(100_000);
-  const looks = new Set(told.calls.inside(0).map((call) => lookOf(told.calls, call)));
-  expect(looks.size).toBeGreaterThan(0);
+  const run = new RecordedRun().add(randomRun(7, 100_000));
+  expect(run.journal.length).toBeGreaterThanOrEqual(100_000);
+  const appearances = new Set(run.calls.inside(0).map((call) => lookOf(run.calls, call)));
+  expect(appearances.size).toBeGreaterThan(0);
 });

@@ -19,8 +19,8 @@ const TOLD = `> R
 
 function watched(text = TOLD): Watch {
   const journal = new Journal();
-  const told = events(text);
-  journal.add(told, told.length + 1);
+  const entries = events(text);
+  journal.add(entries, entries.length + 1);
   return { journal, window: journal, playhead: signal<number | null>(null) } as unknown as Watch;
 }
 

@@ -16,7 +16,7 @@ function journalOf(entries: readonly HistoryEntry[]): Journal {
 }
 
 /** The received events, without earlier ones. */
-function told(journal: Journal): readonly string[] {
+function entriesOf(journal: Journal): readonly string[] {
   return Array.from({ length: journal.length - journal.first }, (_, index) => {
     return JSON.stringify(journal.at(journal.first + index));
   });
@@ -53,7 +53,7 @@ test("a run that goes on as its newest events has the same calls, counts and vis
         const part = rolled(whole, newest);
         expect(part.length - part.first).toBe(Math.min(newest, whole.length));
         expect(part.next).toBe(whole.next);
-        expect(told(part)).toEqual(told(whole).slice(-newest));
+        expect(entriesOf(part)).toEqual(entriesOf(whole).slice(-newest));
         expect(callsFrom(part, part.from)).toEqual(callsFrom(whole, part.from));
         for (const sequence of [part.from, whole.next - 1]) {
           expect(counts(part, sequence)).toEqual(counts(whole, sequence));
@@ -81,7 +81,7 @@ test("what is worth a mark is kept from before, and what is learnt of before cha
   expect(before?.active.map(({ path }) => path)).toEqual(["R"]);
   if (!before) throw new Error("a part has something before it");
   const bare = withBase(part, { before, earlier: null });
-  expect(told(bare)).toEqual(told(part));
+  expect(entriesOf(bare)).toEqual(entriesOf(part));
   expect(callsFrom(bare, 5)).toEqual(callsFrom(part, 5));
   expect([bare.first, part.first]).toEqual([1, 3]);
 });

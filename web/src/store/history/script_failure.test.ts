@@ -15,13 +15,13 @@ function found(many: number): readonly (string | undefined)[] {
   const journal = new Journal();
   const log = { type: "log", path: "R/A", level: "error", stream: "logger" } as const;
   const other: Event = { type: "entered", path: "R/B" };
-  const told: readonly Event[] = [
+  const recorded: readonly Event[] = [
     { type: "entered", path: "R/A" },
     { ...log, message: TRACEBACK },
     ...Array.from({ length: many - 1 }, () => other),
     { type: "left", path: "R/A", outcome: { id: -1, name: "aborted" } },
   ];
-  const entries = told.map((event, at) => ({ sequence: at + 1, t_ns: at, event }));
+  const entries = recorded.map((event, at) => ({ sequence: at + 1, t_ns: at, event }));
   journal.add(entries, entries.length + 1);
   const end = entries.length - 1;
   const failure = failureAt(journal, "R/A", 0, end);

@@ -82,7 +82,7 @@ class State {
     if (isMore) this.#sorted = merged(this.#sorted, this.#count, lengths);
     else leaveOut(this.#sorted, this.#count, lengths);
     this.#count = count;
-    this.#row = count === 0 ? null : this.#told();
+    this.#row = count === 0 ? null : this.#summarize();
   }
 
   #tally(end: number, by: 1 | -1): void {
@@ -94,7 +94,7 @@ class State {
     known.count += by;
   }
 
-  #told(): StatisticsUntil {
+  #summarize(): StatisticsUntil {
     const [count, sorted] = [this.#count, this.#sorted];
     const at = (percent: number) => sorted[Math.ceil((count * percent) / 100) - 1] ?? 0;
     const outcomes = [...this.#outcomes.values()].filter(({ count: often }) => often > 0);

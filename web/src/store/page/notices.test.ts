@@ -25,7 +25,7 @@ function tell(kept: KeptNotices, ...tellings: readonly Telling[]): void {
   }
 }
 
-function told(...tellings: readonly Telling[]): readonly Notice[] {
+function noticesAfter(...tellings: readonly Telling[]): readonly Notice[] {
   return keptOf(...tellings).notices.value;
 }
 
@@ -37,13 +37,16 @@ function check(notices: readonly Notice[], expected: readonly string[]): void {
 
 test("equal notices are one that counts, with the newest's place", () => {
   const refusals = Array.from({ length: 169 }, () => warning("Group was not done"));
-  check(told(warning("other"), ...refusals), ["1 other", "170 Group was not done (169 times)"]);
+  check(noticesAfter(warning("other"), ...refusals), [
+    "1 other",
+    "170 Group was not done (169 times)",
+  ]);
 });
 
 test("another level, action or place is another notice", () => {
   const action = { title: "Look", command: "mission.show" };
   const about = { machine: "m", element: { kind: "state", path: "R" } } as const;
-  const notices = told(
+  const notices = noticesAfter(
     warning("a"),
     { level: "error", text: "a" },
     { ...warning("a"), action },
@@ -54,7 +57,7 @@ test("another level, action or place is another notice", () => {
 
 test("news of a topic takes the place of the one before", () => {
   const passing = { topic: "failures", machine: "m" };
-  check(told({ ...warning("1 failure"), passing }, { ...warning("2 failures"), passing }), [
+  check(noticesAfter({ ...warning("1 failure"), passing }, { ...warning("2 failures"), passing }), [
     "2 2 failures",
   ]);
 });
@@ -72,7 +75,11 @@ test("the notice centre has a hundred open notices at most, errors and actions b
   expect(offered.length).toBe(100);
   check(offered.slice(-1), ["50 50"]);
   const action = { title: "Look", command: "mission.show" };
-  const urgent = told({ level: "error", text: "lost" }, { ...warning("a"), action }, ...many(150));
+  const urgent = noticesAfter(
+    { level: "error", text: "lost" },
+    { ...warning("a"), action },
+    ...many(150),
+  );
   const last = offeredNotices(openNotices(urgent)).slice(-3);
   check(last, ["55 53", "2 a", "1 lost"]);
 });
@@ -98,7 +105,7 @@ test("of more than a thousand notices those go first that need nobody, then the 
 
 test("a notice counts with an equal one of the last twenty, and not with one before them", () => {
   const others = (count: number) => Array.from({ length: count }, (_, at) => warning(`${at}`));
-  check(told(warning("a"), ...others(19), warning("a")).slice(-1), ["21 a (2 times)"]);
-  const apart = told(warning("a"), ...others(20), warning("a"));
+  check(noticesAfter(warning("a"), ...others(19), warning("a")).slice(-1), ["21 a (2 times)"]);
+  const apart = noticesAfter(warning("a"), ...others(20), warning("a"));
   check([...apart.slice(0, 1), ...apart.slice(-1)], ["1 a", "22 a"]);
 });

@@ -202,9 +202,9 @@ test("the browser is listened to once, however many runs are looked at", () => {
   let listeners = 0;
   const localStore = {
     ...here,
-    whenOther: (key: string, told: () => void) => {
+    whenOther: (key: string, listener: () => void) => {
       listeners += 1;
-      here.whenOther(key, told);
+      here.whenOther(key, listener);
     },
   };
   const runs = [run("many 1"), run("many 2"), run("many 3")];

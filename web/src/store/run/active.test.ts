@@ -28,7 +28,7 @@ function state(
 
 const before = (next: string): Hold => ({ next, by: { type: "step" } });
 
-const told = (active: readonly Active[]) =>
+const inWords = (active: readonly Active[]) =>
   active.map((lane) => `${lane.branch}: ${lane.phase} ${placeOfLane(lane)}`).join("\n");
 
 test("what comes next is held by something, and a breakpoint holds", () => {
@@ -46,7 +46,7 @@ test("live, the leaves are the lanes, one a branch", () => {
     state("R/B/X", "running", "R/B/X"),
     state("R/B/Y", "held", "R/B/Y", [before("R/B/Y/A")]),
   ]);
-  expect(told(lanes(activeStates(watch)))).toBe("R/B/X: running R/B/X\nR/B/Y: held R/B/Y/A");
+  expect(inWords(lanes(activeStates(watch)))).toBe("R/B/X: running R/B/X\nR/B/Y: held R/B/Y/A");
 });
 
 test("branches that are held before their first state stand beside those that run", () => {
@@ -54,7 +54,9 @@ test("branches that are held before their first state stand beside those that ru
     state("R", "running", "", [before("R/Y"), before("R/Z")]),
     state("R/X", "running", "R/X"),
   ]);
-  expect(told(lanes(activeStates(watch)))).toBe("R/Y: held R/Y\nR/Z: held R/Z\nR/X: running R/X");
+  expect(inWords(lanes(activeStates(watch)))).toBe(
+    "R/Y: held R/Y\nR/Z: held R/Z\nR/X: running R/X",
+  );
 });
 
 test("at a moment its picture is what is active, with branches where states part", () => {
@@ -65,9 +67,9 @@ test("at a moment its picture is what is active, with branches where states part
     held: [{ path: "R/Y", ...before("R/Y/A") }],
     waiting: { "R/X": "a start state" },
   });
-  expect(told(lanes(activeStates(watch)))).toBe(": running R");
+  expect(inWords(lanes(activeStates(watch)))).toBe(": running R");
   watch.playhead.value = 7;
-  expect(told(lanes(activeStates(watch)))).toBe("R/X: waiting R/X\nR/Y: held R/Y/A");
+  expect(inWords(lanes(activeStates(watch)))).toBe("R/X: waiting R/X\nR/Y: held R/Y/A");
   expect(activeStates(watch)[1]?.since_ms).toBe(8);
 });
 

@@ -36,7 +36,7 @@ test("what another tab of the browser does to them is told", () => {
   const others = new Map<string, () => void>();
   const here = {
     ...localStore,
-    whenOther: (key: string, told: () => void) => others.set(key, told),
+    whenOther: (key: string, listener: () => void) => others.set(key, listener),
   };
   const [mine, theirs] = [
     keptBreakpoints(tabWith("drill"), here),

@@ -65,8 +65,8 @@ test("a silence of the run's program is a gap from when it was heard last, thoug
 
 test("what the journal was told counts, if it is later", () => {
   const journal = new Journal();
-  const told = events("> R\n> R/A");
-  journal.add(told, 3);
+  const entries = events("> R\n> R/A");
+  journal.add(entries, 3);
   const now = signal<RunNow | null>(truth(0, "down"));
   const link = signal({ state: "up" } as unknown as Link);
   expect(gapsOf({ now, journal, whenClosed: () => {} }, { server: { link } }).value).toEqual([

@@ -14,33 +14,38 @@ export interface Gap {
   readonly to_ns: number | null;
 }
 
-type Told = Pick<Watch, "now" | "journal" | "whenClosed">;
+type GapSource = Pick<Watch, "now" | "journal" | "whenClosed">;
 type LinkedPage = { readonly server: Pick<Page["server"], "link"> };
 
 /** Capacity. Beyond it the two oldest gaps are merged, because periods without news must stay marked. */
 const GAPS_MAX = 200;
 
 /** Gaps since the first request. A gap ends with the first status received after it. */
-export const gapsOf = perOwner((watch: Told, page: LinkedPage): ReadonlySignal<readonly Gap[]> => {
-  const gaps = signal<readonly Gap[]>([]);
-  let before: RunNow | null = null;
-  const stop = effect(() => {
-    const now = watch.now.value;
-    // The link of a finished run is not followed, because nothing updates it after the page has left the run.
-    const isLive = now?.run.phase === "live";
-    const isAway = isLive && (page.server.link.value.state !== "up" || now.link !== "up");
-    const last = gaps.peek().at(-1);
-    const open = last?.to_ns === null ? last : null;
-    if (isAway && !open) {
-      before = now;
-      gaps.value = bounded([...gaps.peek(), { from_ns: comeTo(watch), to_ns: null }]);
-    } else if (!isAway && open && now !== before) {
-      gaps.value = gaps.peek().with(-1, { ...open, to_ns: comeTo(watch) });
-    }
-  });
-  watch.whenClosed(stop);
-  return gaps;
-});
+export const gapsOf = perOwner(
+  (watch: GapSource, page: LinkedPage): ReadonlySignal<readonly Gap[]> => {
+    const gaps = signal<readonly Gap[]>([]);
+    let before: RunNow | null = null;
+    const stop = effect(() => {
+      const now = watch.now.value;
+      // The link of a finished run is not followed, because nothing updates it after the page has left the run.
+      const isLive = now?.run.phase === "live";
+      const isAway = isLive && (page.server.link.value.state !== "up" || now.link !== "up");
+      const last = gaps.peek().at(-1);
+      const open = last?.to_ns === null ? last : null;
+      if (isAway && !open) {
+        before = now;
+        gaps.value = bounded([
+          ...gaps.peek(),
+          { from_ns: elapsedWhenLastHeard(watch), to_ns: null },
+        ]);
+      } else if (!isAway && open && now !== before) {
+        gaps.value = gaps.peek().with(-1, { ...open, to_ns: elapsedWhenLastHeard(watch) });
+      }
+    });
+    watch.whenClosed(stop);
+    return gaps;
+  },
+);
 
 function bounded(gaps: readonly Gap[]): readonly Gap[] {
   const [first, second, ...others] = gaps;
@@ -50,18 +55,18 @@ function bounded(gaps: readonly Gap[]): readonly Gap[] {
 
 /** Data that a robot has recorded and its station does not have yet: from the end of the history to the state that arrived ahead of
  * it. */
-export function lackingOf({ now, journal }: Pick<Told, "now" | "journal">): readonly Gap[] {
-  const told = now.value;
-  if (!told?.robot?.missing) return [];
+export function lackingOf({ now, journal }: Pick<GapSource, "now" | "journal">): readonly Gap[] {
+  const status = now.value;
+  if (!status?.robot?.missing) return [];
   const from_ns = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
-  const to_ns = (told.snapshot?.elapsed_ms ?? 0) * 1e6;
+  const to_ns = (status.snapshot?.elapsed_ms ?? 0) * 1e6;
   return to_ns > from_ns ? [{ from_ns, to_ns }] : [];
 }
 
 /** Elapsed time of the run when it was last received. */
-function comeTo({ now, journal }: Pick<Told, "now" | "journal">): number {
-  const told = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
-  return Math.max(told, heardAt(now.peek()) * 1e6);
+function elapsedWhenLastHeard({ now, journal }: Pick<GapSource, "now" | "journal">): number {
+  const lastEvent_ns = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
+  return Math.max(lastEvent_ns, heardAt(now.peek()) * 1e6);
 }
 
 /** Elapsed time when the run's program was last received, in ms. Its last snapshot may be older. */

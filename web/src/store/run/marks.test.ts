@@ -51,13 +51,13 @@ function recentPathOf(text: string): RecentPath {
     const state = MACHINE.state(path);
     return state !== undefined && isConcurrent(state);
   });
-  const told = journal(text);
-  recentPath.follow(told, told.length);
+  const recorded = journal(text);
+  recentPath.follow(recorded, recorded.length);
   return recentPath;
 }
 
 /** Past states and transitions with their age. */
-function told(recentPath: RecentPath): string {
+function pathInWords(recentPath: RecentPath): string {
   return recentPath
     .past()
     .map(({ path, taken, age, goal }) => {
@@ -81,7 +81,7 @@ const START = transitionOf(MACHINE, { container: "R", from: null, outcome: 0 }) 
 const AB = transitionOf(MACHINE, { container: "R", from: "R/A", outcome: 0 }) ?? "";
 
 test("states that ended and transitions that were taken stay for a while", () => {
-  const found = told(recentPathOf(">R >R/A <R/A >R/B <R/B"));
+  const found = pathInWords(recentPathOf(">R >R/A <R/A >R/B <R/B"));
   expect(found).toBe(
     [START, "R/A", AB, "R/B"]
       .map((what, index) => `${[2, 1, 1, 0][index]} ${what.replace("transition:", "")}`)
@@ -90,11 +90,11 @@ test("states that ended and transitions that were taken stay for a while", () =>
 });
 
 test("a transition is not taken where the run continued elsewhere", () => {
-  const jump = told(recentPathOf(">R >R/A <R/A >R/C"));
+  const jump = pathInWords(recentPathOf(">R >R/A <R/A >R/C"));
   expect(jump).toBe(`1 ${START.replace("transition:", "")}\n0 R/A\n0 `);
-  const stopped = told(recentPathOf(">R >R/A <R/A <R:-2"));
+  const stopped = pathInWords(recentPathOf(">R >R/A <R/A <R:-2"));
   expect(stopped.split("\n").at(-1)).toBe("0 R");
-  const done = told(recentPathOf(">R >R/C <R/C <R"));
+  const done = pathInWords(recentPathOf(">R >R/C <R/C <R"));
   expect(done.split("\n").at(-1)).toBe("0 R R:3");
 });
 
@@ -102,8 +102,8 @@ test("each branch has its own way, and what ended of it stays in the one around"
   const inside = ">R >R/C >R/C/X >R/C/Y >R/C/X/U <R/C/X/U";
   const recentPath = recentPathOf(inside);
   expect(recentPath.branch("R/C/X/U")).toBe("R/C/X");
-  expect(told(recentPath)).toContain("0 R/C/X/U");
-  expect(told(recentPathOf(`${inside} <R/C/X <R/C/Y <R/C`))).toMatch(/1 R\/C\/Y\n0 R\/C$/);
+  expect(pathInWords(recentPath)).toContain("0 R/C/X/U");
+  expect(pathInWords(recentPathOf(`${inside} <R/C/X <R/C/Y <R/C`))).toMatch(/1 R\/C\/Y\n0 R\/C$/);
 });
 
 test("no more than a dozen steps stay", () => {
@@ -114,7 +114,7 @@ test("no more than a dozen steps stay", () => {
 
 test("a step back takes the last step away", () => {
   const recentPath = recentPathOf(">R >R/A <R/A >R/B <R/B >R/B! <R/B!");
-  expect(told(recentPath)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
+  expect(pathInWords(recentPath)).toBe(`1 ${START.replace("transition:", "")}\n0 R/A`);
   expect(nextLine(recentPath, "R", "R/B")).toBe(AB);
 });
 
@@ -161,8 +161,8 @@ describe("where a container continues from", () => {
   });
 
   test("marks no start line in the trail where that is unknown", () => {
-    expect(told(recentPathOf(">R >R/A"))).toBe(`0 ${START.replace("transition:", "")}`);
-    expect(told(recentPathOf(">R/A"))).toBe("0 ");
+    expect(pathInWords(recentPathOf(">R >R/A"))).toBe(`0 ${START.replace("transition:", "")}`);
+    expect(pathInWords(recentPathOf(">R/A"))).toBe("0 ");
   });
 });
 

@@ -3,7 +3,7 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { EventPage } from "../../model/generated/protocol.ts";
 import { lowerBound } from "../history/column.ts";
-import { type Happening, Journal } from "../history/journal.ts";
+import { Journal, type JournalEntry } from "../history/journal.ts";
 import { HITS_MAX, JournalHits } from "../history/journal_hits.ts";
 import type { Runs, Watch } from "../history/run.ts";
 import { RefusalError } from "../page/server.ts";
@@ -95,7 +95,7 @@ export class RunSearch {
   }
 
   /** Event of a result; undefined if it was dropped. */
-  at(place: number): Happening | undefined {
+  at(place: number): JournalEntry | undefined {
     return this.#journal.at(this.#index(place));
   }
 

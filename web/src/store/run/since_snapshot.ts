@@ -5,17 +5,17 @@ import type { Watch } from "../history/run.ts";
 import { clock1s } from "../page/clock1s.ts";
 import type { Page } from "../page/page.ts";
 import { confirmedUntil, runAge } from "./age.ts";
-import { saidAt } from "./run_clock.ts";
+import { snapshotAt } from "./run_clock.ts";
 
 /** In ms; updated once a second. Reads signals. */
 export function sinceSnapshot(page: Page, watch: Watch): number {
   const now_ms = clock1s.value;
-  const said_ms = saidAt(page, watch);
+  const snapshotAt_ms = snapshotAt(page, watch);
   const age = runAge(page, watch, now_ms);
   const now = watch.now.value;
   if (age.why === null && now?.run.phase === "crashed") return untilCrash(now);
-  if (age.why !== null || said_ms === null || now?.run.phase !== "live") return 0;
-  return Math.max(0, now_ms - said_ms);
+  if (age.why !== null || snapshotAt_ms === null || now?.run.phase !== "live") return 0;
+  return Math.max(0, now_ms - snapshotAt_ms);
 }
 
 /** The part of that time in which the run was received. Alarms use it, because silence proves nothing. Reads signals. */

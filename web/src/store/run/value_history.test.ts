@@ -20,7 +20,7 @@ function scoped(path: string, name: string, value: number): Event {
 }
 
 /** A server with these events, three per page. */
-class Told {
+class EventServer {
   readonly asked: string[] = [];
   readonly events: Event[] = [];
   isDown = false;
@@ -49,19 +49,19 @@ class Told {
   }
 }
 
-function historyOf(told: Told, target = COUNT, text = "value * 2"): ValueHistory {
+function historyOf(server: EventServer, target = COUNT, text = "value * 2"): ValueHistory {
   const expression = readExpression(text);
   if ("refused" in expression) throw new Error(expression.refused);
-  return new ValueHistory(told.runs, told.watch, target, expression);
+  return new ValueHistory(server.runs, server.watch, target, expression);
 }
 
 test("only the state itself is asked for, none of its siblings", async () => {
   const asked = async (path: string) => {
-    const told = new Told();
-    const stop = historyOf(told, { ...COUNT, path }).follow();
+    const server = new EventServer();
+    const stop = historyOf(server, { ...COUNT, path }).follow();
     await vi.advanceTimersByTimeAsync(0);
     stop();
-    return new URLSearchParams(told.asked[0]?.split("?").slice(1).join("?")).get("state");
+    return new URLSearchParams(server.asked[0]?.split("?").slice(1).join("?")).get("state");
   };
   expect(await asked("R/A")).toBe("R?A");
   expect(await asked("R/S/ABC*")).toBe("R/S?ABC*");
@@ -69,34 +69,34 @@ test("only the state itself is asked for, none of its siblings", async () => {
 });
 
 test("what there was page by page, then what comes; other values are left out", async () => {
-  const told = new Told();
-  told.happen(scoped("R/A", "count", 1), scoped("R/A", "other", 9), scoped("R/B", "count", 9));
-  told.happen(scoped("R/A", "count", 2));
-  const history = historyOf(told);
+  const server = new EventServer();
+  server.happen(scoped("R/A", "count", 1), scoped("R/A", "other", 9), scoped("R/B", "count", 9));
+  server.happen(scoped("R/A", "count", 2));
+  const history = historyOf(server);
   const stop = history.follow();
   await vi.advanceTimersByTimeAsync(100);
   expect(history.series.points.map(({ value }) => value)).toEqual([2, 4]);
-  expect(history.isTold.value).toBe(true);
-  expect(told.asked[0]).toContain("kinds=scoped&state=R%3FA");
-  told.happen(scoped("R/A", "count", 5));
+  expect(history.isLoaded.value).toBe(true);
+  expect(server.asked[0]).toContain("kinds=scoped&state=R%3FA");
+  server.happen(scoped("R/A", "count", 5));
   await vi.advanceTimersByTimeAsync(2_000);
   expect(history.series.points.map(({ value }) => value)).toEqual([2, 4, 10]);
-  const count = told.asked.length;
+  const count = server.asked.length;
   stop();
-  told.happen(scoped("R/A", "count", 6));
+  server.happen(scoped("R/A", "count", 6));
   await vi.advanceTimersByTimeAsync(10_000);
-  expect(told.asked).toHaveLength(count);
+  expect(server.asked).toHaveLength(count);
 });
 
 test("a refusal is told, and tried again", async () => {
-  const told = new Told();
-  told.happen(scoped("R/A", "count", 1));
-  told.isDown = true;
-  const history = historyOf(told);
+  const server = new EventServer();
+  server.happen(scoped("R/A", "count", 1));
+  server.isDown = true;
+  const history = historyOf(server);
   history.follow();
   await vi.advanceTimersByTimeAsync(100);
   expect(history.refusal.value).toBe("the server is away");
-  told.isDown = false;
+  server.isDown = false;
   await vi.advanceTimersByTimeAsync(5_000);
   expect(history.refusal.value).toBeNull();
   expect(history.series.count).toBe(1);

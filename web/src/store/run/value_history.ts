@@ -17,7 +17,7 @@ export class ValueHistory {
   readonly series = new Series();
   readonly #changed = signal(0);
   readonly #refusal = signal<string | null>(null);
-  readonly #isTold = signal(false);
+  readonly #isLoaded = signal(false);
   readonly #runs: Runs;
   readonly #watch: Watch;
   readonly #target: Target;
@@ -45,8 +45,8 @@ export class ValueHistory {
   }
 
   /** True once all existing events were received. */
-  get isTold(): ReadonlySignal<boolean> {
-    return this.#isTold;
+  get isLoaded(): ReadonlySignal<boolean> {
+    return this.#isLoaded;
   }
 
   /** Follows the run until the returned function is called. */
@@ -88,7 +88,7 @@ export class ValueHistory {
       this.#refusal.value = null;
       if (page.events.length > 0) this.#changed.value += 1;
       if (page.next <= page.last) return 0;
-      this.#isTold.value = true;
+      this.#isLoaded.value = true;
       return this.#watch.journal.next > page.next ? PACE_MS : null;
     } catch (error) {
       this.#refusal.value = error instanceof Error ? error.message : String(error);

@@ -29,15 +29,15 @@ test("the newest of each value counts, wherever it came from", () => {
     playheadSnapshot: signal({ picture: { sequence: 1, active } as unknown as Moment, at_ms: 0 }),
     ahead: signal({ watching: null, values }),
   } as Watch;
-  const told = (state: string) =>
+  const valuesOf = (state: string) =>
     valuesIn(watch, state).map(({ path, name, value, aheadAt_ns }) => [
       path,
       name,
       value,
       aheadAt_ns,
     ]);
-  expect(told("R/A")).toEqual([["R/A", "y", 30, 5]]);
-  expect(told("R").map(([path, name]) => `${path}.${name}`)).toEqual([
+  expect(valuesOf("R/A")).toEqual([["R/A", "y", 30, 5]]);
+  expect(valuesOf("R").map(([path, name]) => `${path}.${name}`)).toEqual([
     "R.x",
     "R.n",
     "R/A.y",

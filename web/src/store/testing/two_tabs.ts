@@ -12,7 +12,7 @@ export function twoTabs(): readonly [LocalStore, LocalStore] {
       shared.put(key, value);
       listeners[own === 0 ? 1 : 0].get(key)?.();
     },
-    whenOther: (key, told) => void listeners[own].set(key, told),
+    whenOther: (key, listener) => void listeners[own].set(key, listener),
   });
   return [tab(0), tab(1)];
 }

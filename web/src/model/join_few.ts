@@ -3,7 +3,7 @@
 const SHOWN_MAX = 2;
 
 /** `“A”, “B”`, `“A”, “B” and 3 more`. */
-export function fewInWords(names: readonly string[]): string {
+export function joinFew(names: readonly string[]): string {
   // “and 1 more” is no shorter than a name.
   const count = names.length <= SHOWN_MAX + 1 ? names.length : SHOWN_MAX;
   const shown = names
