@@ -34,7 +34,7 @@ export function connect(address: Address): Server & { readonly close: () => void
     if (state === "up" && wasDown) askAgain();
     wasDown = state === "down";
   });
-  const deaf = hearBrowser(() => socket.retry());
+  const deaf = onNetworkBack(() => socket.retry());
   return {
     link: socket.link,
     pulse: socket.pulse,
@@ -81,7 +81,7 @@ function dial({ url, token }: Address, news: WireNews): Wire {
 }
 
 /** The browser reports a network, or that the page is visible again. */
-function hearBrowser(back: () => void): () => void {
+function onNetworkBack(back: () => void): () => void {
   if (typeof window === "undefined") return () => {};
   const seen = () => document.visibilityState === "visible" && back();
   window.addEventListener("online", back);

@@ -116,12 +116,12 @@ export class EditOutbox {
 
   #send({ frame, isLarge }: SentEdit): Promise<number> | null {
     const { server, machine } = this.#ports;
-    const said = frame(machine());
-    if (!isLarge || said.frame !== "edit") {
-      server.say(said);
+    const message = frame(machine());
+    if (!isLarge || message.frame !== "edit") {
+      server.say(message);
       return null;
     }
-    const path = `/machines/${encodeURIComponent(said.machine)}/edits`;
-    return server.request<Done>("POST", path, said.edit).then(({ revision }) => revision);
+    const path = `/machines/${encodeURIComponent(message.machine)}/edits`;
+    return server.request<Done>("POST", path, message.edit).then(({ revision }) => revision);
   }
 }

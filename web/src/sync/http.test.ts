@@ -111,31 +111,31 @@ describe("a request", () => {
 describe("what comes line by line", () => {
   const asked = (control = new AbortController()) => {
     const network = setUp();
-    const told: unknown[] = [];
-    const done = network.lines("/plans", {}, (line) => told.push(line), control.signal);
-    return { ...network, told, done, control };
+    const received: unknown[] = [];
+    const done = network.lines("/plans", {}, (line) => received.push(line), control.signal);
+    return { ...network, received, done, control };
   };
 
   it("is told at each line, wherever the pieces break", async () => {
-    const { answers, told, done } = asked();
+    const { answers, received, done } = asked();
     answers[0]?.begin(200);
     answers[0]?.piece('{"a":1}\n{"b"');
     await settle();
-    expect(told).toEqual([{ a: 1 }]);
+    expect(received).toEqual([{ a: 1 }]);
     answers[0]?.piece(":2}\n3");
     answers[0]?.end();
     await done;
-    expect(told).toEqual([{ a: 1 }, { b: 2 }, 3]);
+    expect(received).toEqual([{ a: 1 }, { b: 2 }, 3]);
   });
 
   it("ends without a word when it is not wanted any more", async () => {
-    const { answers, told, done, control } = asked();
+    const { answers, received, done, control } = asked();
     answers[0]?.begin(200);
     answers[0]?.piece("1\n");
     await settle();
     control.abort();
     await done;
-    expect(told).toEqual([1]);
+    expect(received).toEqual([1]);
   });
 
   it("is refused as other requests are", async () => {

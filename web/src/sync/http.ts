@@ -38,10 +38,10 @@ export function requests(address: Address, ports: RequestPorts): Requests {
   const ask = async (method: string, path: string, text: string | null, isRepeated: boolean) => {
     const control = new AbortController();
     if (isRepeated) repeated.add(control);
-    const waits = new Waits(ports.clock, () => control.abort());
+    const timeout = new IdleTimeout(ports.clock, () => control.abort());
     let status = 0;
     try {
-      waits.begin(ports.limit_ms(isRepeated, text?.length ?? 0));
+      timeout.begin(ports.limit_ms(isRepeated, text?.length ?? 0));
       const init = {
         method,
         headers,
@@ -52,14 +52,14 @@ export function requests(address: Address, ports: RequestPorts): Requests {
       repeated.delete(control);
       const found = await read(answer, () => {
         ports.alive();
-        waits.begin(ports.limit_ms(isRepeated, 0));
+        timeout.begin(ports.limit_ms(isRepeated, 0));
       });
       status = answer.status;
       return { status, text: found };
     } catch {
       throw new RefusalError(NO_ANSWER, 0);
     } finally {
-      waits.end();
+      timeout.end();
       repeated.delete(control);
       ports.onResponse(method, path, status);
     }
@@ -100,7 +100,7 @@ export function requests(address: Address, ports: RequestPorts): Requests {
 }
 
 /** One limit of time that begins again with each piece. */
-class Waits {
+class IdleTimeout {
   readonly #clock: Clock;
   readonly #over: () => void;
   end: () => void = () => {};

@@ -101,13 +101,13 @@ describe("an open machine", () => {
 
   it("tells which states are different, and nothing when a prediction comes true", async () => {
     const { server, session } = setUp();
-    const told: (string[] | null)[] = [];
-    session.onChange((touched) => told.push(touched && [...touched]));
+    const changes: (string[] | null)[] = [];
+    session.onChange((touched) => changes.push(touched && [...touched]));
     void session.edit("Rename", RENAME);
     const shown = session.machine.state("R/A");
     server.take();
     server.tell(1);
-    expect(told).toEqual([["R/A"]]);
+    expect(changes).toEqual([["R/A"]]);
     expect(session.machine.state("R/A")).toBe(shown);
   });
 

@@ -28,8 +28,8 @@ import type { Notice, Page } from "../store/page/page.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { type EditOnItsWay, EditOutbox } from "./edit_outbox.ts";
-import { Following } from "./following.ts";
 import type { LibraryCache } from "./library_cache.ts";
+import { MachineFollower } from "./machine_follower.ts";
 import { ProposedLayout } from "./proposed_layout.ts";
 import type { ReturnNews } from "./return_news.ts";
 
@@ -75,7 +75,7 @@ export class OpenMachineSession implements MachineSession {
   /** Libraries whose content was refused, which was reported. */
   readonly #withoutContent = new Set<LibraryKey>();
   readonly #listeners = new Set<(touched: TouchedPaths) => void>();
-  readonly #following: Following;
+  readonly #follower: MachineFollower;
   readonly #deaf: () => void;
   /** Counts changes and checks: only the last check after the last change describes the present machine. */
   #checksBegun = 0;
@@ -103,7 +103,7 @@ export class OpenMachineSession implements MachineSession {
     this.#deaf = () => {
       for (const stop of stops) stop();
     };
-    this.#following = new Following(summary, ports.server, ports.clock, {
+    this.#follower = new MachineFollower(summary, ports.server, ports.clock, {
       revision: () => this.revision.peek(),
       revisions: (revisions) => this.#advance(revisions),
       status: (status) => this.#receiveStatus(status),
@@ -122,7 +122,7 @@ export class OpenMachineSession implements MachineSession {
   }
 
   get id(): string {
-    return this.#following.id;
+    return this.#follower.id;
   }
 
   onChange(listener: (touched: TouchedPaths) => void): () => void {
@@ -161,7 +161,7 @@ export class OpenMachineSession implements MachineSession {
 
   async jump(revision: number, overOthers: boolean): Promise<JumpAnswer> {
     const body = { id: this.#ports.newId(), revision, over_others: overOthers };
-    const path = `${this.#following.path}/jump`;
+    const path = `${this.#follower.path}/jump`;
     try {
       return await this.#ports.server.request<Done>("POST", path, body);
     } catch (error) {
@@ -185,7 +185,7 @@ export class OpenMachineSession implements MachineSession {
   }
 
   close(): void {
-    this.#following.end();
+    this.#follower.end();
     this.#outbox.close();
     this.#deaf();
     this.#unsettled();
@@ -225,7 +225,7 @@ export class OpenMachineSession implements MachineSession {
 
   async #refused({ id, name, edit }: EditOnItsWay, error: RefusalError): Promise<void> {
     const wasClosed = error.code === "no_such_machine";
-    if (wasClosed && !this.#following.isOver && (await this.#following.reopen())) {
+    if (wasClosed && !this.#follower.isOver && (await this.#follower.reopen())) {
       this.#outbox.again(id);
       return;
     }
@@ -346,7 +346,7 @@ export class OpenMachineSession implements MachineSession {
   /** Null if it cannot be had now: it is asked for again after the next change. */
   async #get<T>(what: string): Promise<T | null> {
     try {
-      return await this.#ports.server.request<T>("GET", `${this.#following.path}/${what}`);
+      return await this.#ports.server.request<T>("GET", `${this.#follower.path}/${what}`);
     } catch (error) {
       if (error instanceof RefusalError) return null;
       throw error;

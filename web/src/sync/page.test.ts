@@ -70,12 +70,12 @@ describe("the page", () => {
     expect(page.settings.value).toMatchObject({ theme: "dark", wheel: "pan" });
     expect(drafts.get(draft)?.text).toBe("new");
     const lost = /you lose changed settings, scripts and descriptions that are not applied/;
-    const told = page.notices.value.map(({ text, count }) => [
+    const shown = page.notices.value.map(({ text, count }) => [
       text.split(". ")[0],
       lost.test(text),
       count,
     ]);
-    expect(told).toEqual([[reason.slice(0, -1), true, 1]]);
+    expect(shown).toEqual([[reason.slice(0, -1), true, 1]]);
   });
 
   it("keeps one notice on each passing topic", () => {

@@ -52,11 +52,11 @@ export function startPage(options: PageOptions = {}): Page {
   const stores = options.stores ?? browserStores();
   const notices = signal<readonly Notice[]>([]);
   const droppedNotices = signal(0);
-  let told = 0;
+  let lastId = 0;
   const tell: Page["tell"] = (notice) => {
-    told += 1;
+    lastId += 1;
     const text = withStateNames(machines.tabs.peek(), machines.active.peek(), notice.text);
-    putNotice({ notices, droppedNotices }, { ...notice, text }, told, clock.now());
+    putNotice({ notices, droppedNotices }, { ...notice, text }, lastId, clock.now());
   };
   const serverStatus = signal<ServerStatus | null>(null);
   server.follow({

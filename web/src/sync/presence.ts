@@ -19,21 +19,21 @@ export function tellPresence(
   clock: Clock,
 ): () => void {
   let cancel: (() => void) | null = null;
-  let told = "";
+  let lastSent = "";
   const tell = () => {
     cancel = null;
     const frame = presence(server, active());
     if (!frame) return;
-    told = JSON.stringify(frame);
+    lastSent = JSON.stringify(frame);
     server.say(frame);
     cancel = clock.after(EVERY_MS, () => {
       cancel = null;
-      if (JSON.stringify(presence(server, active())) !== told) tell();
+      if (JSON.stringify(presence(server, active())) !== lastSent) tell();
     });
   };
   const stop = effect(() => {
     const frame = presence(server, active());
-    const isKnown = isListed(server, active()) && JSON.stringify(frame) === told;
+    const isKnown = isListed(server, active()) && JSON.stringify(frame) === lastSent;
     if (frame && !isKnown && !cancel) tell();
   });
   return () => {

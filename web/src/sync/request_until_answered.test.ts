@@ -4,10 +4,10 @@ import { requestUntilAnswered } from "./request_until_answered.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 
 function setUp(answers: readonly (RefusalError | string)[]) {
-  const said: unknown[] = [];
+  const sent: unknown[] = [];
   const left = [...answers];
   const request = async (_method: string, _path: string, body: unknown) => {
-    said.push(body);
+    sent.push(body);
     const answer = left.length > 1 ? left.shift() : left[0];
     if (answer instanceof RefusalError) throw answer;
     return answer;
@@ -15,7 +15,7 @@ function setUp(answers: readonly (RefusalError | string)[]) {
   const clock = new FakeClock();
   const server = { request: request as Server["request"] };
   return {
-    said,
+    sent,
     clock,
     answer: requestUntilAnswered<string>({ server, clock }, "/runs", { id: "a" }),
   };
@@ -29,28 +29,28 @@ const lost = new RefusalError({ code: "no_answer", message: "no answer" }, 0);
 const unfinished = new RefusalError({ code: "not_finished", message: "ask again" }, 503);
 
 test("an answer that was lost is asked for again, with the same id", async () => {
-  const { said, clock, answer } = setUp([lost, unfinished, "begun"]);
+  const { sent, clock, answer } = setUp([lost, unfinished, "begun"]);
   for (let turn = 0; turn < 2; turn += 1) {
     await settle();
     clock.pass(500);
   }
   expect(await answer).toBe("begun");
-  expect(said).toEqual([{ id: "a" }, { id: "a" }, { id: "a" }]);
+  expect(sent).toEqual([{ id: "a" }, { id: "a" }, { id: "a" }]);
 });
 
 test("a refusal is one at once", async () => {
   const refusal = new RefusalError({ code: "load_failed", message: "no such library" }, 422);
-  const { said, answer } = setUp([refusal]);
+  const { sent, answer } = setUp([refusal]);
   await expect(answer).rejects.toBe(refusal);
-  expect(said.length).toBe(1);
+  expect(sent.length).toBe(1);
 });
 
 test("after a minute without an answer no one knows", async () => {
   const { clock, answer } = setUp([lost]);
-  const told = expect(answer).rejects.toThrow(/it is unknown/);
+  const rejection = expect(answer).rejects.toThrow(/it is unknown/);
   for (let turn = 0; turn < 121; turn += 1) {
     await settle();
     clock.pass(500);
   }
-  await told;
+  await rejection;
 });

@@ -130,7 +130,7 @@ export class RunMachineSession implements MachineSession {
       if (this.#root !== root || this.#isOver) return;
       if (!isFirst) await this.#libraryCache.refresh();
       this.machine.reset(document);
-      this.#told();
+      this.#notify();
     } catch (error) {
       if (!(error instanceof RefusalError)) throw error;
       if (!error.isForNow) return;
@@ -142,10 +142,10 @@ export class RunMachineSession implements MachineSession {
 
   #libraryChanged(): void {
     this.machine.libraryChanged();
-    this.#told();
+    this.#notify();
   }
 
-  #told(): void {
+  #notify(): void {
     batch(() => {
       for (const listener of this.#listeners) listener(null);
       this.version.value = this.machine.version;

@@ -112,11 +112,11 @@ describe("the runs of the server", () => {
   it("that were told something stay watched until they have answered", async () => {
     const { server, runs } = setUp();
     const first = runs.watch("first");
-    const told = first.command({ type: "stop" });
+    const pending = first.command({ type: "stop" });
     for (let number = 0; number < 7; number += 1) runs.watch(`r${number}`);
     expect(runs.watch("first")).toBe(first);
     server.first().answer({ id: "id1", answer: "applied" });
-    expect((await told).answer).toEqual({ answer: "applied" });
+    expect((await pending).answer).toEqual({ answer: "applied" });
   });
 
   it("are watched once", () => {

@@ -8,7 +8,7 @@ import { FakeClock } from "./testing/fake_clock.ts";
 
 function setUp(verdict: Verdict | "never" = "welcome") {
   const clock = new FakeClock();
-  const wires: { news: WireNews; said: ToServer[]; isOpen: boolean }[] = [];
+  const wires: { news: WireNews; sent: ToServer[]; isOpen: boolean }[] = [];
   const posts: { path: string; done: (answer: { revision: number }) => void }[] = [];
   const socket = new Socket({
     clock,
@@ -16,10 +16,10 @@ function setUp(verdict: Verdict | "never" = "welcome") {
     random: () => 0.5,
     probe: () => (verdict === "never" ? new Promise(() => {}) : Promise.resolve(verdict)),
     dial: (news) => {
-      const wire = { news, said: [] as ToServer[], isOpen: true };
+      const wire = { news, sent: [] as ToServer[], isOpen: true };
       wires.push(wire);
       return {
-        send: (text) => wire.said.push(JSON.parse(text) as ToServer),
+        send: (text) => wire.sent.push(JSON.parse(text) as ToServer),
         close: () => {
           wire.isOpen = false;
         },
@@ -57,13 +57,13 @@ function setUp(verdict: Verdict | "never" = "welcome") {
       connection: 7,
       now_ms: clock.now() + 40,
     });
-  const said = () =>
+  const sentFrames = () =>
     wire()
-      .said.filter(({ frame }) => frame !== "ping")
+      .sent.filter(({ frame }) => frame !== "ping")
       .map((frame) =>
         "subscription" in frame ? `${frame.frame} ${frame.subscription}` : frame.frame,
       );
-  return { clock, socket, ask, wires, posts, wire, hear, welcome, said };
+  return { clock, socket, ask, wires, posts, wire, hear, welcome, sentFrames };
 }
 
 const SILENT = { topic: () => ({ topic: "server_status" }) as const, frame: () => {} };
@@ -92,14 +92,14 @@ describe("the socket", () => {
         from = 5;
       },
     });
-    expect(wire().said).toEqual([]);
+    expect(wire().sent).toEqual([]);
     welcome();
     hear({ frame: "revisions", subscription: 1, revisions: [] });
     wire().news.closed("gone");
     expect(socket.link.value).toMatchObject({ state: "down", reason: "gone" });
     clock.pass(0);
     welcome();
-    const topics = wire().said.flatMap((frame) => (frame.frame === "subscribe" ? frame.topic : []));
+    const topics = wire().sent.flatMap((frame) => (frame.frame === "subscribe" ? frame.topic : []));
     expect(topics).toEqual([{ topic: "machine_history", machine: "m", from: 5 }]);
   });
 
@@ -107,31 +107,31 @@ describe("the socket", () => {
     ["300,000 characters goes over the socket", 300_000, ["edit"], 0],
     ["300,001 characters goes by HTTP", 300_001, [], 1],
   ])("an edit of %s", async (_, length, expected, posted) => {
-    const { ask, welcome, said, posts } = setUp();
+    const { ask, welcome, sentFrames, posts } = setUp();
     welcome();
     const edit = { edit: "set_name", path: "R", name: "" } as const;
     const name = "x".repeat(length - JSON.stringify(edit).length);
     const large = { id: "1", base: 1, name: "", edit: { ...edit, name } };
     void ask("1", { frame: "edit", machine: "m", edit: large });
     await settle();
-    expect([said(), posts.length]).toEqual([expected, posted]);
+    expect([sentFrames(), posts.length]).toEqual([expected, posted]);
   });
 
   it("says an edit again after a break until it is answered, and never after that", async () => {
-    const { clock, ask, wire, hear, welcome, said } = setUp();
+    const { clock, ask, wire, hear, welcome, sentFrames } = setUp();
     welcome();
     const answer = ask("1", UNDO);
-    expect(said()).toEqual(["undo"]);
+    expect(sentFrames()).toEqual(["undo"]);
     wire().news.closed("gone");
     clock.pass(0);
     welcome();
-    expect(said()).toEqual(["undo"]);
+    expect(sentFrames()).toEqual(["undo"]);
     hear({ frame: "edited", id: "1", revision: 9 });
     expect(await answer).toEqual({ revision: 9 });
     wire().news.closed("gone");
     clock.pass(0);
     welcome();
-    expect(said()).toEqual([]);
+    expect(sentFrames()).toEqual([]);
   });
 
   it("tells why something was refused, but not that the server ends", async () => {
@@ -147,7 +147,7 @@ describe("the socket", () => {
   });
 
   it("sends what is too large alone, after what was before and before what comes after", async () => {
-    const { ask, hear, welcome, said, posts } = setUp();
+    const { ask, hear, welcome, sentFrames, posts } = setUp();
     welcome();
     const name = "x".repeat(400_000);
     const edit = {
@@ -159,24 +159,24 @@ describe("the socket", () => {
     void ask("1", UNDO);
     const large = ask("2", { frame: "edit", machine: "m", edit });
     void ask("3", UNDO);
-    expect([said(), posts.length]).toEqual([["undo"], 0]);
+    expect([sentFrames(), posts.length]).toEqual([["undo"], 0]);
     hear({ frame: "edited", id: "1", revision: 1 });
-    expect([said(), posts.length]).toEqual([["undo"], 1]);
+    expect([sentFrames(), posts.length]).toEqual([["undo"], 1]);
     expect(posts[0]?.path).toBe("/machines/m/edits");
     posts[0]?.done({ revision: 2 });
     expect(await large).toEqual({ revision: 2 });
-    expect(said()).toEqual(["undo", "undo"]);
+    expect(sentFrames()).toEqual(["undo", "undo"]);
   });
 
   it("follows until it is told to stop, or until nothing more comes", () => {
-    const { socket, hear, welcome, said } = setUp();
+    const { socket, hear, welcome, sentFrames } = setUp();
     const heard: string[] = [];
     const follower = { topic: SILENT.topic, frame: ({ frame }: ToClient) => heard.push(frame) };
     const stop = socket.follow(follower);
     socket.follow(follower);
     welcome();
     stop();
-    expect(said()).toEqual(["subscribe 1", "subscribe 2", "unsubscribe 1"]);
+    expect(sentFrames()).toEqual(["subscribe 1", "subscribe 2", "unsubscribe 1"]);
     hear({ frame: "ended", subscription: 1, refusal: null });
     hear({ frame: "ended", subscription: 2, refusal: null });
     hear({ frame: "ended", subscription: 2, refusal: null });
@@ -241,7 +241,7 @@ describe("the socket", () => {
     welcome();
     const [first] = wires;
     const pings = () =>
-      first?.said.flatMap((frame) => (frame.frame === "ping" ? frame.id : [])) ?? [];
+      first?.sent.flatMap((frame) => (frame.frame === "ping" ? frame.id : [])) ?? [];
     clock.pass(80_000);
     expect([socket.link.value.state, wires.length]).toEqual(["down", 4]);
     stop();
@@ -251,9 +251,9 @@ describe("the socket", () => {
     );
     expect(socket.link.value).toMatchObject({ state: "up", connection: 7 });
     expect(wires.map(({ isOpen }) => isOpen)).toEqual([true, false, false, false]);
-    const said = first?.said.filter(({ frame }) => frame !== "ping");
+    const sent = first?.sent.filter(({ frame }) => frame !== "ping");
     expect(
-      said?.map((frame) => "subscription" in frame && `${frame.frame} ${frame.subscription}`),
+      sent?.map((frame) => "subscription" in frame && `${frame.frame} ${frame.subscription}`),
     ).toEqual(["subscribe 1", "subscribe 2", "unsubscribe 2", "subscribe 3"]);
     clock.pass(4_000);
     expect(wires).toHaveLength(4);
@@ -309,9 +309,9 @@ function slowly(oneWay_ms: number, rounds: number, minutes: number): string {
       later((2 * rounds - 1) * oneWay_ms, () => welcomeAt(clock.now() + 5_000));
       return {
         send: (text) => {
-          const said = JSON.parse(text) as ToServer;
-          if (said.frame !== "ping") return;
-          later(oneWay_ms, () => ({ frame: "pong", id: said.id, now_ms: clock.now() + 5_000 }));
+          const sent = JSON.parse(text) as ToServer;
+          if (sent.frame !== "ping") return;
+          later(oneWay_ms, () => ({ frame: "pong", id: sent.id, now_ms: clock.now() + 5_000 }));
         },
         close: () => {
           isOpen = false;

@@ -220,16 +220,16 @@ describe("the history of a run", () => {
 describe("the truth about a run", () => {
   it("is proven until the server was heard last over the connection that told it, and not by a new one", () => {
     const { server, watch } = setUp();
-    const told = (server_ms: number) => {
+    const receiveAt = (server_ms: number) => {
       const times = { heard_ms: 0, delay_ms: 2, ahead_ms: 0, old_ms: 4_000 };
       server.pulse.value = { ...times, server_ms };
     };
-    told(5_000);
+    receiveAt(5_000);
     server.setStatus({ ...now("live", 0), now_ms: 4_000 });
     expect(watch.proven_ms.value).toBe(5_000);
-    told(9_000);
+    receiveAt(9_000);
     server.breakUp();
-    told(90_000);
+    receiveAt(90_000);
     server.breakUp();
     expect(watch.proven_ms.value).toBe(9_000);
     server.setStatus({ ...now("live", 0), now_ms: 91_000 });

@@ -69,7 +69,7 @@ export class RunWatch implements Watch {
   #version = 0;
   #isLearning = false;
   /** True if nothing more of the history arrives by itself. */
-  #isTold = false;
+  #hasHistoryEnded = false;
   #isSoon = false;
   #isOver = false;
   readonly #followers: (() => void)[] = [];
@@ -187,7 +187,7 @@ export class RunWatch implements Watch {
   }
 
   #followHistory(): void {
-    this.#isTold = false;
+    this.#hasHistoryEnded = false;
     this.#unfollowHistory = this.#ports.server.follow({
       topic: () => {
         // Events of a disconnection arrive first.
@@ -219,14 +219,14 @@ export class RunWatch implements Watch {
       this.#add(frame.events, frame.next);
       for (const { event } of frame.events) this.#outbox.received(event);
       if (frame.events.length === 0) this.isCaughtUp.value = true;
-      this.#soonTold();
+      this.#publishSoon();
     } else if (frame.frame === "skipped") {
       this.#become(new Journal({ before: frame.before, earlier: null }));
     } else if (frame.frame === "ended") {
-      this.#isTold = true;
+      this.#hasHistoryEnded = true;
       this.lack.value = frame.refusal?.message ?? null;
       if (frame.refusal === null) this.isCaughtUp.value = true;
-      this.#again(frame.refusal, () => this.#isTold && this.#followHistory());
+      this.#again(frame.refusal, () => this.#hasHistoryEnded && this.#followHistory());
     }
   }
 
@@ -245,7 +245,8 @@ export class RunWatch implements Watch {
       this.isCurrent.value = true;
     });
     const isLive = now.run.phase === "live" || now.run.phase === "starting";
-    if (this.#isTold && (isLive || this.#written() >= this.journal.next)) this.#followHistory();
+    if (this.#hasHistoryEnded && (isLive || this.#written() >= this.journal.next))
+      this.#followHistory();
   }
 
   #add(events: readonly HistoryEntry[], next: number): void {
@@ -306,10 +307,10 @@ export class RunWatch implements Watch {
   /** A journal is another one than before. */
   #changed(): void {
     this.#version += 1;
-    this.#soonTold();
+    this.#publishSoon();
   }
 
-  #soonTold(): void {
+  #publishSoon(): void {
     if (this.#isSoon) return;
     this.#isSoon = true;
     this.#ports.clock.after(GROWN_MS, () => {

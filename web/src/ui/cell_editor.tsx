@@ -41,15 +41,15 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
     if (fault == null) stop(step);
     else setRefusal(fault);
   };
-  const said = refusal ?? (isBehind ? meanwhileInWords(value) : null);
+  const message = refusal ?? (isBehind ? meanwhileInWords(value) : null);
   return (
     <>
       <input
         ref={input}
         className={`table-edit ${rest.mono ? "field-mono" : ""}`}
         aria-label={label}
-        aria-invalid={said !== null}
-        aria-describedby={said === null ? undefined : `${id}-refusal`}
+        aria-invalid={message !== null}
+        aria-describedby={message === null ? undefined : `${id}-refusal`}
         // biome-ignore lint/a11y/noAutofocus: the user asked to edit this cell
         autoFocus
         autoComplete="off"
@@ -78,14 +78,14 @@ export function CellEditor({ label, value, check, onCommit, onStop, ...rest }: C
           ))}
         </datalist>
       )}
-      {said !== null && input.current && (
-        <Said id={`${id}-refusal`} at={input.current} text={said} />
+      {message !== null && input.current && (
+        <CellMessage id={`${id}-refusal`} at={input.current} text={message} />
       )}
     </>
   );
 }
 
-interface SaidProps {
+interface CellMessageProps {
   readonly id: string;
   readonly at: HTMLElement;
   readonly text: string;
@@ -94,7 +94,7 @@ interface SaidProps {
 const GAP_PX = 3;
 
 /** Shown below the cell as an overlay, because a table of two rows has no room for it. */
-function Said({ id, at, text }: SaidProps) {
+function CellMessage({ id, at, text }: CellMessageProps) {
   const { left, bottom } = at.getBoundingClientRect();
   const host = at.closest("dialog") ?? at.ownerDocument.body;
   return createPortal(

@@ -17,35 +17,35 @@ afterEach(() => {
   unmount();
 });
 
-type Told = (what: string) => null;
+type Report = (what: string) => null;
 
 /** Every kind of field of the page. */
-const FIELDS: Readonly<Record<string, (told: Told) => ReactElement>> = {
-  text: (told) => (
-    <TextField label="Name" value="old" onCommit={told} onKeyDown={() => told("key")} />
+const FIELDS: Readonly<Record<string, (report: Report) => ReactElement>> = {
+  text: (report) => (
+    <TextField label="Name" value="old" onCommit={report} onKeyDown={() => report("key")} />
   ),
-  search: (told) => (
+  search: (report) => (
     <TextField
       label="Find"
       type="search"
       value="old"
       onInput={() => {}}
-      onKeyDown={() => told("key")}
+      onKeyDown={() => report("key")}
     />
   ),
-  cell: (told) => (
+  cell: (report) => (
     <CellEditor
       label="Name"
       value="old"
       check={() => null}
-      onCommit={told}
-      onStop={() => told("stop")}
+      onCommit={report}
+      onStop={() => report("stop")}
     />
   ),
-  plain: (told) => <input onKeyDown={() => told("key")} />,
-  "in a dialog": (told) => (
-    <Dialog title="Name" onClose={() => told("close")}>
-      <TextField label="Name" value="old" onCommit={told} />
+  plain: (report) => <input onKeyDown={() => report("key")} />,
+  "in a dialog": (report) => (
+    <Dialog title="Name" onClose={() => report("close")}>
+      <TextField label="Name" value="old" onCommit={report} />
     </Dialog>
   ),
 };
@@ -64,28 +64,28 @@ test("no field takes a key of an input method, and each takes the same key after
   });
   await fc.assert(
     fc.asyncProperty(one, async ({ field, key, how }) => {
-      const told = vi.fn(() => null);
-      const place = mount(FIELDS[field]?.(told) ?? <span />);
+      const report = vi.fn(() => null);
+      const place = mount(FIELDS[field]?.(report) ?? <span />);
       const input = place.querySelector("input");
       await type(input, "にほ");
       press(input, key, how);
       await settled();
-      expect(told).not.toHaveBeenCalled();
+      expect(report).not.toHaveBeenCalled();
       expect(input?.value).toBe("にほ");
       press(input, "Enter");
       await settled();
-      expect(told).toHaveBeenCalled();
+      expect(report).toHaveBeenCalled();
     }),
   );
 });
 
 test("the editor of scripts follows compositions itself", () => {
-  const told = vi.fn();
+  const report = vi.fn();
   const place = mount(
     <div className="cm-editor">
-      <input onKeyDown={told} />
+      <input onKeyDown={report} />
     </div>,
   );
   press(place.querySelector("input"), "Enter", { isComposing: true });
-  expect(told).toHaveBeenCalledTimes(1);
+  expect(report).toHaveBeenCalledTimes(1);
 });

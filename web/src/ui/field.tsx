@@ -26,8 +26,8 @@ export type Commit = Committed | void | Promise<Committed> | Promise<void> | Com
 
 /** Final result. */
 export async function committed(commit: Commit): Promise<Committed> {
-  const said = await (isAsked(commit) ? commit.asked : commit);
-  return said ?? null;
+  const result = await (isAsked(commit) ? commit.asked : commit);
+  return result ?? null;
 }
 
 /** True if a question is open. */
@@ -70,7 +70,7 @@ export function TextField(props: TextFieldProps) {
   const id = useId();
   const draft = useDraft(props);
   const Input = multiline ? "textarea" : "input";
-  const said = draft.refusal ?? hint;
+  const message = draft.refusal ?? hint;
   return (
     <div className="field">
       <label className={hideLabel ? "visually-hidden" : "field-label"} htmlFor={id}>
@@ -89,7 +89,7 @@ export function TextField(props: TextFieldProps) {
         spellCheck={multiline && !mono}
         list={suggestions && !multiline ? `${id}-list` : undefined}
         aria-invalid={draft.refusal ? true : undefined}
-        aria-describedby={said ? `${id}-said` : undefined}
+        aria-describedby={message ? `${id}-message` : undefined}
         onChange={(event) => draft.typed(event.currentTarget.value)}
         onBlur={draft.commit}
         onKeyDown={draft.key}
@@ -101,13 +101,13 @@ export function TextField(props: TextFieldProps) {
           ))}
         </datalist>
       )}
-      {said && (
+      {message && (
         <span
-          id={`${id}-said`}
+          id={`${id}-message`}
           className={draft.refusal ? "field-refusal" : "field-hint"}
           role={draft.refusal ? "alert" : undefined}
         >
-          {said}
+          {message}
         </span>
       )}
     </div>

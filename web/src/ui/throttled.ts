@@ -7,15 +7,15 @@ export function useThrottled<T>(signal: ReadonlySignal<T>, pace_ms: number): T {
   const [value, setValue] = useState(() => signal.peek());
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    let told_ms = Number.NEGATIVE_INFINITY;
+    let updated_ms = Number.NEGATIVE_INFINITY;
     const tell = () => {
       timer = undefined;
-      told_ms = performance.now();
+      updated_ms = performance.now();
       setValue(() => signal.peek());
     };
     const stop = signal.subscribe(() => {
       if (timer !== undefined) return;
-      const wait_ms = told_ms + pace_ms - performance.now();
+      const wait_ms = updated_ms + pace_ms - performance.now();
       if (wait_ms <= 0) tell();
       else timer = setTimeout(tell, wait_ms);
     });

@@ -9,9 +9,9 @@ async function after(
   change: (text: Text) => void = () => {},
 ): Promise<string> {
   document.body.innerHTML = body;
-  let told = 0;
+  let count = 0;
   const stop = undoTranslations(document, () => {
-    told += 1;
+    count += 1;
   });
   const text = document.querySelector("[data-text]")?.firstChild as Text;
   const font = document.createElement("font");
@@ -20,7 +20,7 @@ async function after(
   await new Promise((done) => setTimeout(done));
   change(text);
   stop();
-  return `${told} ${document.body.textContent}`;
+  return `${count} ${document.body.textContent}`;
 }
 
 const BODY = '<p data-text="1">Running<b>!</b></p>';

@@ -64,11 +64,11 @@ test("what someone else makes of a text while it is typed is said, and only Ente
   const commit = vi.fn(() => null);
   const name = (value: string) => <TextField label="Name" value={value} onCommit={commit} />;
   const input = mount(name("old")).querySelector("input");
-  const said = () => document.querySelector("[role=alert]")?.textContent;
+  const alertText = () => document.querySelector("[role=alert]")?.textContent;
   await type(input, "mine");
-  expect(said()).toBeUndefined();
+  expect(alertText()).toBeUndefined();
   draw(name("theirs"));
-  expect(said()).toBe(
+  expect(alertText()).toBe(
     "It was changed to “theirs” in the meantime. Enter keeps your text, Escape takes theirs.",
   );
   leave(input);
@@ -77,7 +77,7 @@ test("what someone else makes of a text while it is typed is said, and only Ente
   press(input, "Enter");
   await settled();
   expect(commit.mock.calls).toEqual([["mine"]]);
-  expect(said()).toBeUndefined();
+  expect(alertText()).toBeUndefined();
 });
 
 test("a text that would overwrite someone else's goes with its field, and that is said", async () => {
@@ -307,16 +307,16 @@ test("Tab continues to the next cell while the key is still down, but not from w
 });
 
 test("a text that was refused when its field had gone is said elsewhere, with what was typed", async () => {
-  const said: string[] = [];
+  const lost: string[] = [];
   mount(
-    <LostTexts.Provider value={(text) => said.push(text)}>
+    <LostTexts.Provider value={(text) => lost.push(text)}>
       <TextField label="Name" value="old" onCommit={() => "There is one of this name."} />
     </LostTexts.Provider>,
   );
   await type(document.querySelector("input"), "taken");
   unmount();
   await settled();
-  expect(said).toEqual(["Name “taken” was not applied: There is one of this name."]);
+  expect(lost).toEqual(["Name “taken” was not applied: There is one of this name."]);
 });
 
 test("a table names the cell that the keys are on, and counts its head among its rows", () => {
@@ -354,11 +354,14 @@ test("only rows that can be chosen say whether they are", () => {
     />
   );
   const place = mount(table());
-  const said = () => byRole(place, "row").map((row) => row.getAttribute("aria-selected"));
+  const selected = () => byRole(place, "row").map((row) => row.getAttribute("aria-selected"));
   const [grid] = byRole(place, "grid");
-  expect([said(), grid?.getAttribute("aria-multiselectable")]).toEqual([[null, null, null], null]);
+  expect([selected(), grid?.getAttribute("aria-multiselectable")]).toEqual([
+    [null, null, null],
+    null,
+  ]);
   draw(table(new Set(["two"])));
-  expect(said()).toEqual([null, "false", "true"]);
+  expect(selected()).toEqual([null, "false", "true"]);
   expect(grid?.getAttribute("aria-multiselectable")).toBe("true");
 });
 

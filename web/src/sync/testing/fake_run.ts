@@ -27,7 +27,7 @@ export interface Asked {
   readonly refuse: (status: number, message?: string) => void;
 }
 
-interface Following {
+interface Subscription {
   readonly follower: Follower;
   topic: string;
   next: number;
@@ -41,7 +41,7 @@ export class FakeRun implements Server {
   /** All that was ever asked, and those without an answer. */
   readonly asked: string[] = [];
   waiting: Asked[] = [];
-  #followings: Following[] = [];
+  #subscriptions: Subscription[] = [];
 
   request: Server["request"] = <T>(method: string, path: string, body?: unknown) =>
     new Promise<T>((answered, failed) => {
@@ -66,11 +66,11 @@ export class FakeRun implements Server {
   };
 
   follow: Server["follow"] = (follower) => {
-    const following = { follower, topic: "", next: 0, isCaughtUp: false };
-    this.#followings.push(following);
-    this.#subscribe(following);
+    const subscription = { follower, topic: "", next: 0, isCaughtUp: false };
+    this.#subscriptions.push(subscription);
+    this.#subscribe(subscription);
     return () => {
-      this.#followings = this.#followings.filter((each) => each !== following);
+      this.#subscriptions = this.#subscriptions.filter((each) => each !== subscription);
     };
   };
 
@@ -86,51 +86,56 @@ export class FakeRun implements Server {
 
   /** Tells at most so many events, or once that there are no more. */
   tell(count: number): void {
-    for (const following of this.#of("run_history")) {
-      const { next } = following;
+    for (const subscription of this.#of("run_history")) {
+      const { next } = subscription;
       const events = this.events.slice(next - 1, next - 1 + count);
-      following.next += events.length;
-      if (events.length === 0 && following.isCaughtUp) continue;
-      if (events.length === 0) following.isCaughtUp = true;
-      this.#frame(following, { frame: "events", subscription: 1, events, next: following.next });
+      subscription.next += events.length;
+      if (events.length === 0 && subscription.isCaughtUp) continue;
+      if (events.length === 0) subscription.isCaughtUp = true;
+      this.#frame(subscription, {
+        frame: "events",
+        subscription: 1,
+        events,
+        next: subscription.next,
+      });
     }
   }
 
   /** The connection breaks and comes back: whoever follows is asked where to go on. */
   breakUp(): void {
-    for (const following of this.#followings) this.#subscribe(following);
+    for (const subscription of this.#subscriptions) this.#subscribe(subscription);
   }
 
   /** A frame that was told before comes once more. */
   repeat(from: number, count: number): void {
-    for (const following of this.#of("run_history")) {
-      const events = this.events.slice(from - 1, Math.min(from - 1 + count, following.next - 1));
+    for (const subscription of this.#of("run_history")) {
+      const events = this.events.slice(from - 1, Math.min(from - 1 + count, subscription.next - 1));
       const next = from + events.length;
       if (events.length > 0) {
-        this.#frame(following, { frame: "events", subscription: 1, events, next });
+        this.#frame(subscription, { frame: "events", subscription: 1, events, next });
       }
     }
   }
 
   /** All events up to one are left out. */
   skipped(sequence: number, active: ActiveSince[]): void {
-    for (const following of this.#of("run_history")) {
-      following.next = sequence + 1;
+    for (const subscription of this.#of("run_history")) {
+      subscription.next = sequence + 1;
       const before = { sequence, t_ns: sequence * 1e6, active };
-      this.#frame(following, { frame: "skipped", subscription: 1, before });
+      this.#frame(subscription, { frame: "skipped", subscription: 1, before });
     }
   }
 
   setStatus(now: RunNow): void {
-    for (const following of this.#of("run_status")) {
-      this.#frame(following, { frame: "run_status", subscription: 2, status: now });
+    for (const subscription of this.#of("run_status")) {
+      this.#frame(subscription, { frame: "run_status", subscription: 2, status: now });
     }
   }
 
   end(topic: "run_history" | "run_status", refusal: Refusal | null = null): void {
-    for (const following of this.#of(topic)) {
-      this.#followings = this.#followings.filter((each) => each !== following);
-      this.#frame(following, { frame: "ended", subscription: 1, refusal });
+    for (const subscription of this.#of(topic)) {
+      this.#subscriptions = this.#subscriptions.filter((each) => each !== subscription);
+      this.#frame(subscription, { frame: "ended", subscription: 1, refusal });
     }
   }
 
@@ -146,30 +151,34 @@ export class FakeRun implements Server {
     return first;
   }
 
-  #subscribe(following: Following): void {
-    const topic = following.follower.topic();
-    following.topic = topic.topic === "run_newest" ? "run_history" : topic.topic;
-    following.isCaughtUp = false;
-    if (topic.topic === "run_newest") this.#begin(following, topic);
+  #subscribe(subscription: Subscription): void {
+    const topic = subscription.follower.topic();
+    subscription.topic = topic.topic === "run_newest" ? "run_history" : topic.topic;
+    subscription.isCaughtUp = false;
+    if (topic.topic === "run_newest") this.#begin(subscription, topic);
   }
 
   /** Of too many events only the newest are told. */
   #begin(
-    following: Following,
+    subscription: Subscription,
     { from, most, newest }: { from: number; most: number; newest: number },
   ): void {
-    following.next = from;
+    subscription.next = from;
     if (this.events.length + 1 - from <= most) return;
-    following.next = this.events.length + 1 - newest;
-    const before = { sequence: following.next - 1, t_ns: (following.next - 1) * 1e6, active: [] };
-    this.#frame(following, { frame: "skipped", subscription: 1, before });
+    subscription.next = this.events.length + 1 - newest;
+    const before = {
+      sequence: subscription.next - 1,
+      t_ns: (subscription.next - 1) * 1e6,
+      active: [],
+    };
+    this.#frame(subscription, { frame: "skipped", subscription: 1, before });
   }
 
-  #of(wanted: string): readonly Following[] {
-    return this.#followings.filter(({ topic }) => topic === wanted);
+  #of(wanted: string): readonly Subscription[] {
+    return this.#subscriptions.filter(({ topic }) => topic === wanted);
   }
 
-  #frame({ follower }: Following, frame: ToClient): void {
+  #frame({ follower }: Subscription, frame: ToClient): void {
     follower.frame(frame);
   }
 }

@@ -56,7 +56,7 @@ export class FakeServer implements Server {
   });
   readonly pulse = signal(null);
   readonly asked: string[] = [];
-  readonly said: unknown[] = [];
+  readonly sent: unknown[] = [];
   /** Documents of libraries by the route that gives them. */
   readonly libraries = new Map<string, Document>();
   /** The runs of the server; all went by the machine. */
@@ -124,7 +124,7 @@ export class FakeServer implements Server {
   };
 
   say(frame: ToServer): void {
-    this.said.push(frame);
+    this.sent.push(frame);
     if (frame.frame === "edit") this.#waiting.push(frame.edit);
   }
 
@@ -178,10 +178,10 @@ export class FakeServer implements Server {
   tell(count: number): void {
     for (const [follower, at] of this.#followers) {
       const revisions = this.#revisions.filter(({ revision }) => revision >= at.next);
-      const told = revisions.slice(0, count);
-      if (told.length === 0) continue;
-      at.next += told.length;
-      follower.frame({ frame: "revisions", subscription: 1, revisions: told });
+      const batch = revisions.slice(0, count);
+      if (batch.length === 0) continue;
+      at.next += batch.length;
+      follower.frame({ frame: "revisions", subscription: 1, revisions: batch });
     }
   }
 

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { type Follower, RefusalError, type Server } from "../store/page/server.ts";
-import { Following } from "./following.ts";
+import { MachineFollower } from "./machine_follower.ts";
 import { FakeClock } from "./testing/fake_clock.ts";
 import { MACHINE } from "./testing/fake_server.ts";
 
@@ -27,8 +27,8 @@ test("a machine that was closed while it was asked for is opened again", async (
     followers.push(follower);
     return () => {};
   };
-  const told: string[] = [];
-  const following = new Following(
+  const calls: string[] = [];
+  const follower = new MachineFollower(
     MACHINE,
     { request, follow } as unknown as Server,
     new FakeClock(),
@@ -36,17 +36,17 @@ test("a machine that was closed while it was asked for is opened again", async (
       revision: () => 1,
       revisions: () => {},
       status: () => {},
-      whole: ({ revision }) => told.push(`whole ${revision}`),
-      gone: (reason) => told.push(`gone: ${reason}`),
+      whole: ({ revision }) => calls.push(`whole ${revision}`),
+      gone: (reason) => calls.push(`gone: ${reason}`),
     },
   );
   followers[0]?.frame({ frame: "reset", subscription: 1 } as never);
-  const reopened = following.reopen();
+  const reopened = follower.reopen();
   waiting.shift()?.(false);
   await settle();
   waiting.shift()?.(true);
   expect(await reopened).toBe(true);
-  expect(told).toEqual(["whole 3"]);
+  expect(calls).toEqual(["whole 3"]);
   expect(asked).toEqual([
     "GET /machines/m/document",
     "POST /machines/open",

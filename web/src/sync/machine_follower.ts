@@ -27,7 +27,7 @@ export interface Follows {
 /** Retry interval of a machine that cannot be loaded, in ms. */
 const AGAIN_MS = 1_000;
 
-export class Following {
+export class MachineFollower {
   readonly #server: Server;
   readonly #clock: Clock;
   readonly #follows: Follows;
