@@ -15,7 +15,7 @@ const ANSWER: Selection = {
 };
 
 /** The edits, without the places that are checked elsewhere and with the fresh id named. */
-function told(machine: Parameters<typeof acceptPlan>[0], container: string) {
+function accepted(machine: Parameters<typeof acceptPlan>[0], container: string) {
   const planned = acceptPlan(machine, container, ANSWER);
   if ("refused" in planned) throw new Error(planned.refused);
   const id = planned.path.split("/").at(-1) ?? "";
@@ -26,7 +26,10 @@ function told(machine: Parameters<typeof acceptPlan>[0], container: string) {
 }
 
 test("in an empty hierarchy the plan is the whole way", () => {
-  const { name, words, states } = told(drawn('R "Root" hierarchy 0 0 1000 1000 outcome done'), "R");
+  const { name, words, states } = accepted(
+    drawn('R "Root" hierarchy 0 0 1000 1000 outcome done'),
+    "R",
+  );
   expect(name).toBe("Accept plan Errand");
   expect(words).toEqual([
     'paste R ids=["NEW"]',
@@ -42,7 +45,7 @@ test("beside others it stands in a free place, under a name of its own", () => {
       E "Errand" execution 0 0 900 400 outcome ok
       R > E
   `);
-  const { name, words } = told(machine, "R");
+  const { name, words } = accepted(machine, "R");
   expect(name).toBe("Accept plan Errand 2");
   expect(words).toEqual(['paste R ids=["NEW"]']);
 });

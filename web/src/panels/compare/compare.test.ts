@@ -7,7 +7,7 @@ import { sorted, timingRows } from "./timing.ts";
 
 test("what happened around a moment is told of its branch only", () => {
   const journal = new Journal();
-  const told = events(`> R
+  const entries = events(`> R
     > R/A
     > R/B
     = R/A hello
@@ -15,7 +15,7 @@ test("what happened around a moment is told of its branch only", () => {
     > R/B
     < R/A done
     < R/B done`);
-  journal.add(told, told.length + 1);
+  journal.add(entries, entries.length + 1);
   expect(entriesAround(journal, "R/B", 5).map((index) => journal.sequence(index))).toEqual([
     3, 5, 6, 8,
   ]);

@@ -4,7 +4,7 @@ import { Journal } from "../../store/history/journal.ts";
 import { events, randomRun } from "../../store/testing/events.ts";
 import { type HistoryNode, lengthOf, Nodes, timesOf } from "./nodes.ts";
 
-function told(entries: Parameters<Journal["add"]>[0]): Calls {
+function callsFrom(entries: Parameters<Journal["add"]>[0]): Calls {
   const journal = new Journal();
   journal.add(entries, entries.length + 1);
   const calls = new Calls(journal);
@@ -32,7 +32,7 @@ function written(calls: Calls, nodes: Nodes): string {
 }
 
 test("calls stand inside one another, what repeats as a loop of rounds", () => {
-  const calls = told(
+  const calls = callsFrom(
     events(`> R
       > R/A
       < R/A done
@@ -59,7 +59,7 @@ test("calls stand inside one another, what repeats as a loop of rounds", () => {
 });
 
 test("a long list stands in parts, and the way to each call is known", () => {
-  const calls = told(randomRun(5, 5_000));
+  const calls = callsFrom(randomRun(5, 5_000));
   const nodes = new Nodes(calls);
   const find = (all: readonly HistoryNode[], open: readonly string[], call: number): boolean => {
     const [next, ...rest] = open;
@@ -75,7 +75,7 @@ test("a long list stands in parts, and the way to each call is known", () => {
 });
 
 test("a loop counts visits as the inspector does, without steps back, and lasts as long as they did", () => {
-  const calls = told(
+  const calls = callsFrom(
     events(`> R
       > R/A
       < R/A done

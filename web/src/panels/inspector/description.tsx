@@ -73,9 +73,9 @@ function Writing({ inspected: { path, state, edit }, place, onDone }: WritingPro
   };
   const apply = async () => {
     const text = drafts.get(place)?.text ?? base;
-    const said = text === base ? null : await edit((now) => setDescription(now, path, text));
-    if (said === null) stop();
-    return said;
+    const refused = text === base ? null : await edit((now) => setDescription(now, path, text));
+    if (refused === null) stop();
+    return refused;
   };
   const key = (event: KeyboardEvent<HTMLElement>) => {
     const isDone = event.key === "Enter" && (event.ctrlKey || event.metaKey);

@@ -30,12 +30,12 @@ export function RunError({ inspected, watch, left, detail }: RunErrorProps) {
   const error = event?.type === "left" ? event.error : null;
   if (error == null && left.outcome?.id !== ABORTED) return null;
   if (error == null && !failure) return <Reason inspected={inspected} watch={watch} left={left} />;
-  const said = error == null ? failure?.traceback.message : shortValue(error, MESSAGE_MAX);
+  const message = error == null ? failure?.traceback.message : shortValue(error, MESSAGE_MAX);
   return (
     <div className="in-run-error" role="note" aria-label="Error">
       <p>
         <strong>Ended with an error</strong>
-        {said ? `: ${said}` : ""}
+        {message ? `: ${message}` : ""}
       </p>
       {failure && <Place inspected={inspected} failure={failure} />}
     </div>

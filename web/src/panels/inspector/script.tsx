@@ -28,10 +28,10 @@ export function Script({ inspected }: { inspected: InspectedState }) {
   const apply = async () => {
     const latest = drafts.get(place);
     if (!latest) return null;
-    const said =
+    const refused =
       latest.text === base ? null : await edit((now) => setScript(now, path, latest.text));
-    if (said === null && drafts.get(place)?.text === latest.text) drafts.drop(place);
-    return said;
+    if (refused === null && drafts.get(place)?.text === latest.text) drafts.drop(place);
+    return refused;
   };
   const type = (typed: string) => {
     if (typed === base) drafts.drop(place);

@@ -77,13 +77,13 @@ function Sides({ theirs, mine, onChange }: SidesProps) {
   const begun = useRef(mine);
   useEffect(() => {
     if (!place.current) return;
-    const told = EditorView.updateListener.of(({ docChanged, state }) => {
+    const changeListener = EditorView.updateListener.of(({ docChanged, state }) => {
       if (docChanged) latest.current(state.doc.toString());
     });
     const view = new MergeView({
       parent: place.current,
       a: { doc: theirs, extensions: [pythonText("Theirs"), EditorState.readOnly.of(true)] },
-      b: { doc: begun.current, extensions: [pythonText("Mine"), writing(), told] },
+      b: { doc: begun.current, extensions: [pythonText("Mine"), writing(), changeListener] },
       revertControls: "a-to-b",
       renderRevertControl: takeButton,
       collapseUnchanged: { margin: 3, minSize: 6 },

@@ -12,14 +12,14 @@ function setUp(least: LogLevel) {
     const event = { type: "log", path: "R", level, stream: "logger", message } as const;
     journal.add([{ sequence, t_ns: sequence * 1e6, event }], sequence + 1);
   };
-  let looks = 0;
+  let visitCount = 0;
   const nameOf = () => {
-    looks += 1;
+    visitCount += 1;
     return "Root";
   };
   const wanted = { least, query: "o", states: null };
   const sieve = new Sieve(new RunLog({ id: "r", journal }), wanted, 1_000, nameOf);
-  return { say, sieve, looks: () => looks };
+  return { say, sieve, visitCount: () => visitCount };
 }
 
 test("wanted lines are added as the log grows, and the list is the same while nothing was", () => {
@@ -35,10 +35,10 @@ test("wanted lines are added as the log grows, and the list is the same while no
 });
 
 test("each line is looked at once", () => {
-  const { say, sieve, looks } = setUp("verbose");
+  const { say, sieve, visitCount } = setUp("verbose");
   for (let each = 0; each < 5; each += 1) {
     say("info", "x");
     sieve.rows();
   }
-  expect(looks()).toBe(5);
+  expect(visitCount()).toBe(5);
 });

@@ -25,7 +25,7 @@ interface CalmLanes {
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
   const phases = useComputed(() => phasesOf(watch), [watch], isSameList);
   // biome-ignore lint/correctness/useExhaustiveDependencies: a change of phases creates another signal, which is read at once
-  const told = useMemo(
+  const latest = useMemo(
     () =>
       computed(() => ({
         all: inOrder(lanes(activeStates(watch))),
@@ -34,7 +34,7 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
       })),
     [page, watch, phases],
   );
-  return useThrottled(told, PACE_MS);
+  return useThrottled(latest, PACE_MS);
 }
 
 /** Phases of all branches, and the shown moment. A change of this list is shown at once. */

@@ -84,7 +84,7 @@ function nameOf(button: HTMLElement): string {
   return button.getAttribute("aria-label") ?? button.textContent ?? "";
 }
 
-function said(place: HTMLElement): readonly string[] {
+function linesOf(place: HTMLElement): readonly string[] {
   return [...place.querySelectorAll(".command-list > p, li > span")].map(
     (line) => line.textContent ?? "",
   );
@@ -147,7 +147,7 @@ test("a command after a release begins a new list", async () => {
 test("each command has its times, and its fault if it has one", async () => {
   const fault = "its time is past: choose a later one";
   const { place } = await listed({ revision: "7", lines: [PAUSE, { ...STOP, fault }] });
-  expect(said(place)).toEqual([
+  expect(linesOf(place)).toEqual([
     "Command list: not released",
     "Pause: sent in 1:00, at 12:01:00 UTC, takes effect in 1:02, at 12:01:02 UTC, expires in 2:00, at 12:02:00 UTC",
     "Stop, run other: sent at the release, time of effect unknown",
@@ -167,7 +167,7 @@ test("a line is removed, and the rest is set again", async () => {
   expect(requests.at(-1)).toBe(
     `PUT /robots/scout/commands?revision=7 ${JSON.stringify([{ run: "other", command: { type: "stop" } }])}`,
   );
-  expect(said(place)).toEqual([
+  expect(linesOf(place)).toEqual([
     "Command list: not released",
     "Stop, run other: sent at the release, time of effect unknown",
   ]);
@@ -190,7 +190,7 @@ test("the reviewed revision is released after a question, and the fates are show
   const { place, requests, press } = await listed(list, { serve });
   await press("Release…");
   expect(requests.at(-1)).toBe('POST /robots/scout/commands/release {"revision":"7"}');
-  expect(said(place)).toEqual([
+  expect(linesOf(place)).toEqual([
     "Command list: released by ana at 12:00:00 UTC",
     "Pause: the robot has it, takes effect in 1:02, at 12:01:02 UTC",
     "Stop, run other: unknown whether it was carried out: it is over",
@@ -208,7 +208,7 @@ test("a refused release is reported, and the list is requested again", async () 
   const { place, requests, press } = await listed({ revision: "7", lines: [STOP] }, { serve });
   await press("Release…");
   expect(requests.at(-1)).toBe("GET /robots/scout/commands");
-  expect(said(place)[0]).toBe("Command list: not released");
+  expect(linesOf(place)[0]).toBe("Command list: not released");
 });
 
 test("without the right of the user or of the pairing, the buttons say why", async () => {

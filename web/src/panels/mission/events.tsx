@@ -141,7 +141,7 @@ function Line({ failure, watch, names, isDone, isUnmoved }: EventLineProps) {
         {failure.text === "" ? (
           <ErrorText watch={watch} sequence={sequence} />
         ) : (
-          <p className="mission-event-said">{failure.text}</p>
+          <p className="mission-event-detail">{failure.text}</p>
         )}
         {around.length > 0 && <p className="mission-soft">in {around.join(" › ")}</p>}
         {reach !== path && (
@@ -177,7 +177,7 @@ function ErrorText({ watch, sequence }: { readonly watch: Watch; readonly sequen
       isGone = true;
     };
   }, [page, watch, sequence, isUp, text]);
-  return text ? <p className="mission-event-said">{text}</p> : null;
+  return text ? <p className="mission-event-detail">{text}</p> : null;
 }
 
 function errorIn({ event }: EventDetail): string {

@@ -13,7 +13,7 @@ afterEach(() => {
 });
 
 /** What mission control says about the link, a minute after the run was heard; an alarm is marked. */
-async function said(link: RunNow["link"], robot?: LinkHealth): Promise<string> {
+async function shownFor(link: RunNow["link"], robot?: LinkHealth): Promise<string> {
   vi.setSystemTime(STARTED_MS + 60_000);
   const { watch } = watched(runLine("live"), {
     link,
@@ -27,9 +27,9 @@ async function said(link: RunNow["link"], robot?: LinkHealth): Promise<string> {
 }
 
 test("mission control gives the alarm when the robot is not heard, or the engine stands still", async () => {
-  expect(await said("up")).toBe("Live: server and robot respond (3 ms)");
-  expect(await said("stuck")).toBe("! The engine of the run has made no progress for 1:00.");
-  expect(await said("silent")).toBe(
+  expect(await shownFor("up")).toBe("Live: server and robot respond (3 ms)");
+  expect(await shownFor("stuck")).toBe("! The engine of the run has made no progress for 1:00.");
+  expect(await shownFor("silent")).toBe(
     "! The server gets no answer from the robot: what you see is 1:00 old.",
   );
 });
@@ -50,7 +50,7 @@ test("of a robot that is far away it is said how old the newest is", async () =>
     commands: [],
     clock: null,
   };
-  expect(await said("up", robot)).toBe("Live: server and robot respond (2.0 s ago)");
+  expect(await shownFor("up", robot)).toBe("Live: server and robot respond (2.0 s ago)");
   const mute = { ...robot, reached_ms: null, round_trip_ms: null };
-  expect(await said("up", mute)).toBe("Live: server and robot respond (delay unknown)");
+  expect(await shownFor("up", mute)).toBe("Live: server and robot respond (delay unknown)");
 });

@@ -76,7 +76,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
         <li key={one.id}>
           <button type="button" onClick={() => run("run.show", one.id)}>
             <span className="mission-run-name">{one.name}</span>
-            <Stands run={one} />
+            <StatusLine run={one} />
             <small>
               started {startedAt(one)}
               {one.author ? ` by ${one.author}` : ""}, <Length run={one} />
@@ -88,7 +88,7 @@ function RunList({ label, runs }: { readonly label: string; readonly runs: reado
   );
 }
 
-function Stands({ run }: { readonly run: RunInList }) {
+function StatusLine({ run }: { readonly run: RunInList }) {
   const assumed = useAssumed(run);
   return (
     <span className={assumed === null ? "" : "is-old"}>

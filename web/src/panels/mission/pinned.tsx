@@ -41,20 +41,20 @@ interface ValueProps {
 function Value({ tab, watch, watched }: ValueProps) {
   const { page } = useHost().context();
   const now = useValue(page, tab, watch, watched.target);
-  const text = told(now, watched.expression);
+  const text = valueInWords(now, watched.expression);
   return (
     <div>
       <dt>{nameOf(watched)}</dt>
       <dd title={now.state === "none" ? now.why : text}>{text}</dd>
       {now.state === "there" && now.sequence !== null && (
-        <Came watch={watch} t_ns={now.aheadAt_ns ?? timeOf(watch, now.sequence)} />
+        <Age watch={watch} t_ns={now.aheadAt_ns ?? timeOf(watch, now.sequence)} />
       )}
     </div>
   );
 }
 
 /** Time of the value: its age, or for an earlier moment the time since the start. */
-function Came({ watch, t_ns }: { readonly watch: Watch; readonly t_ns: number }) {
+function Age({ watch, t_ns }: { readonly watch: Watch; readonly t_ns: number }) {
   const t_ms = t_ns / 1e6;
   const isPast = useComputed(() => watch.playhead.value !== null, [watch]);
   const when = useWhen(watch, t_ms);
@@ -70,7 +70,7 @@ function nameOf({ target, expression }: WatchedExpression): string {
 }
 
 /** Text of a value, or a dash if it is unavailable or cannot be computed. */
-function told(now: ValueNow, expression: string): string {
+function valueInWords(now: ValueNow, expression: string): string {
   if (now.state !== "there") return "–";
   const read = readExpression(expression);
   if ("refused" in read) return "–";

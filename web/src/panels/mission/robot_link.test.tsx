@@ -30,7 +30,7 @@ const WHOLE: LinkHealth = {
 };
 
 /** What is said of a link a minute after the run began, one fact a line. */
-async function said(
+async function shownFor(
   robot?: LinkHealth,
   phase: "live" | "crashed" | "finished" = "live",
 ): Promise<readonly string[]> {
@@ -46,16 +46,16 @@ async function said(
 }
 
 test("nothing is said of the link of a run that is not far away", async () => {
-  expect(await said()).toEqual([]);
+  expect(await shownFor()).toEqual([]);
 });
 
 test("nothing is said of the link of a run that is over: it was told while the run went on", async () => {
-  expect(await said(WHOLE, "finished")).toEqual([]);
-  expect(await said(WHOLE, "crashed")).toEqual([]);
+  expect(await shownFor(WHOLE, "finished")).toEqual([]);
+  expect(await shownFor(WHOLE, "crashed")).toEqual([]);
 });
 
 test("a whole link says its delay, its rates, what is on the way and how the clocks differ", async () => {
-  expect(await said(WHOLE)).toEqual([
+  expect(await shownFor(WHOLE)).toEqual([
     "scout is heard",
     "delay: 2.0 s",
     "command given now: effect in 2.0 s, expires in 22 s",
@@ -71,7 +71,7 @@ test("a whole link says its delay, its rates, what is on the way and how the clo
 
 test("in a blackout its length is shown, and that the next status is unknown", async () => {
   const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS, reached_ms: STARTED_MS };
-  expect(await said({ ...dark, missing: 1_204 })).toEqual([
+  expect(await shownFor({ ...dark, missing: 1_204 })).toEqual([
     "scout has not been heard for 1:00",
     "delay: 2.0 s, 1:00 ago",
     "command given now: effect unknown: no contact with the robot, expires in 22 s",
@@ -87,18 +87,18 @@ test("in a blackout its length is shown, and that the next status is unknown", a
 
 test("in a blackout nobody knows what has happened since", async () => {
   const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS };
-  expect(await said(dark)).toContain("events to come: unknown");
+  expect(await shownFor(dark)).toContain("events to come: unknown");
 });
 
 test("a dead up-link is as visible as a dead down-link", async () => {
-  const [contact] = await said({ ...WHOLE, reached_ms: STARTED_MS + 33_000 });
+  const [contact] = await shownFor({ ...WHOLE, reached_ms: STARTED_MS + 33_000 });
   expect(contact).toBe("scout is heard, but has not confirmed anything from here for 27 s");
 });
 
 test("what is unknown for want of an up-link is said to be", async () => {
   const clock = { least_ms: 40, most_ms: null };
-  const said_ = await said({ ...WHOLE, reached_ms: null, round_trip_ms: null, clock });
-  expect(said_.filter((fact) => /^(delay|clock)/.test(fact))).toEqual([
+  const facts = await shownFor({ ...WHOLE, reached_ms: null, round_trip_ms: null, clock });
+  expect(facts.filter((fact) => /^(delay|clock)/.test(fact))).toEqual([
     "delay: unknown: no up-link",
     "clock ahead by: +40 ms or more",
   ]);
@@ -106,7 +106,7 @@ test("what is unknown for want of an up-link is said to be", async () => {
 
 test("what users of the station may do on the robot is shown, as far as it is known", async () => {
   const may = async (rights: LinkHealth["rights"]) =>
-    (await said({ ...WHOLE, rights } as LinkHealth)).at(-1);
+    (await shownFor({ ...WHOLE, rights } as LinkHealth)).at(-1);
   expect(await may("observe")).toBe("this station may: see runs");
   unmount();
   expect(await may("change")).toBe("this station may: command and change runs");
@@ -120,7 +120,7 @@ const NOW_MS = STARTED_MS + MINUTE_MS;
 
 /** The facts about planned contacts, then the commands on the way. */
 async function plannedFor(robot: Partial<LinkHealth>): Promise<readonly string[]> {
-  const all = await said({ ...WHOLE, ...robot });
+  const all = await shownFor({ ...WHOLE, ...robot });
   const commands = [...document.querySelectorAll(".robot-link-commands li")];
   const facts = all.filter((fact) => /^(command given now|planned contact)/.test(fact));
   return [...facts, ...commands.map((line) => line.textContent ?? "")];

@@ -27,7 +27,7 @@ export function SentList({ watch }: { readonly watch: Watch }) {
         (question) => answeredBy(watch, question),
         (id) => openCommand(watch, id),
       )
-        .filter((line) => !isToldElsewhere(line))
+        .filter((line) => !isShownElsewhere(line))
         .map((line) => (
           <Line key={line.id} line={line} onClose={() => dismiss(watch, line.id)} />
         ))}
@@ -45,7 +45,7 @@ function openCommand(watch: Watch, id: string): CommandOnTheWay | null {
 const SIGNS = { sent: Send, applied: Check, refused: X, expired: Clock, lost: X };
 
 /** True for pending and applied responses to a question, which are shown with the question. */
-function isToldElsewhere({ command, kind }: SentLine): boolean {
+function isShownElsewhere({ command, kind }: SentLine): boolean {
   return command.type === "answer_question" && (kind === "sent" || kind === "applied");
 }
 

@@ -13,22 +13,32 @@ export function Steering() {
   const refusal = useRefusals();
   return (
     <section className="mission-steering" aria-label="Steering">
-      <Twice
+      <ConfirmButton
         className="mission-stop"
         name="Stop"
         sign={CircleStop}
         refusal={refusal["run.stop"]}
         onSure={() => run("run.stop", SURE)}
       />
-      <Twice
+      <ConfirmButton
         className="mission-pause"
         name="Pause"
         sign={CirclePause}
         refusal={refusal["run.pause"]}
         onSure={() => run("run.pause")}
       />
-      <Once name="Resume" sign={CirclePlay} refusal={refusal["run.resume"]} command="run.resume" />
-      <Once name="Step" sign={Footprints} refusal={refusal["run.over"]} command="run.over" />
+      <ActionButton
+        name="Resume"
+        sign={CirclePlay}
+        refusal={refusal["run.resume"]}
+        command="run.resume"
+      />
+      <ActionButton
+        name="Step"
+        sign={Footprints}
+        refusal={refusal["run.over"]}
+        command="run.over"
+      />
     </section>
   );
 }
@@ -64,7 +74,7 @@ interface PressProps {
 }
 
 /** Button that needs a second press, and announces its effect after the first. A key that is held down presses once. */
-function Twice({
+function ConfirmButton({
   name,
   sign: Sign,
   refusal,
@@ -88,7 +98,12 @@ function Twice({
   );
 }
 
-function Once({ name, sign: Sign, refusal, command }: PressProps & { readonly command: string }) {
+function ActionButton({
+  name,
+  sign: Sign,
+  refusal,
+  command,
+}: PressProps & { readonly command: string }) {
   const run = useCommand();
   return (
     <Large className="mission-once" refusal={refusal} name={name} onClick={() => run(command)}>

@@ -16,14 +16,14 @@ function words(entries: Parameters<Journal["add"]>[0]): readonly string[] {
 }
 
 test("events are told in words, with names", () => {
-  const told = events(`> R/A
+  const entries = events(`> R/A
     < R/A seen
     > R/A!
     < R/A!
     ! R/A careful
     x R/A
     crash`);
-  expect(words(told)).toEqual([
+  expect(words(entries)).toEqual([
     "Look entered",
     "Look ended with seen",
     "Look entered backwards",

@@ -76,7 +76,7 @@ export function QuestionForm({ watch, question, asker, isUnmoved }: QuestionForm
             {label}
           </Button>
         ))}
-        <span className="question-said" aria-live="polite">
+        <span className="question-status" aria-live="polite">
           {isSent ? "sent…" : ""}
         </span>
       </div>

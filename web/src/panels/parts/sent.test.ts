@@ -23,7 +23,7 @@ test("a command under way says since when, and never that it is done", () => {
 test("a command to a robot far away says how far it is, as far as the station knows", () => {
   const times = { sent_ms: NOW_MS - 500, expiry_ms: NOW_MS + 9_500, answered_ms: null };
   const sent: SentCommand = { ...STOP, ...times, answer: null };
-  const said = (way: Partial<CommandOnTheWay>) => {
+  const wordsFor = (way: Partial<CommandOnTheWay>) => {
     const plain = {
       id: "ana/1",
       asks: "stop",
@@ -34,33 +34,35 @@ test("a command to a robot far away says how far it is, as far as the station kn
     const onTheWay = () => ({ ...plain, isRobotHeard: true, ...way });
     return sentLines([sent], new Set(), NOW_MS, undefined, onTheWay)[0]?.words;
   };
-  expect(said({})).toBe("sent 0.5 s ago, in flight; the delay is unknown");
-  expect(said({ arrives_ms: 2_000 })).toBe(
+  expect(wordsFor({})).toBe("sent 0.5 s ago, in flight; the delay is unknown");
+  expect(wordsFor({ arrives_ms: 2_000 })).toBe(
     "sent 0.5 s ago, in flight; at the robot in about 1.5 s",
   );
-  expect(said({ arrives_ms: 400 })).toBe("sent 0.5 s ago, should be at the robot; no answer yet");
-  expect(said({ arrives_ms: 2_000, isRobotHeard: false })).toBe(
+  expect(wordsFor({ arrives_ms: 400 })).toBe(
+    "sent 0.5 s ago, should be at the robot; no answer yet",
+  );
+  expect(wordsFor({ arrives_ms: 2_000, isRobotHeard: false })).toBe(
     "sent 0.5 s ago, sent again and again; the robot is not heard",
   );
   const progress = { arrived_bytes: 1_300, bytes: 2_900 };
-  expect(said({ arrives_ms: 2_000, progress })).toBe(
+  expect(wordsFor({ arrives_ms: 2_000, progress })).toBe(
     "sent 0.5 s ago, 44 % of 2.9 KB has arrived at the robot",
   );
   const planned = { send_at_ms: 60_500, isRobotHeard: false };
-  expect(said({ ...planned, effect_ms: 62_500 })).toBe(
+  expect(wordsFor({ ...planned, effect_ms: 62_500 })).toBe(
     "sent 0.5 s ago, planned for the next contact in 1:00; takes effect 2.0 s after its begin",
   );
-  expect(said(planned)).toBe(
+  expect(wordsFor(planned)).toBe(
     "sent 0.5 s ago, planned for the next contact in 1:00; time of effect unknown: delay not measured yet",
   );
-  expect(said({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
-  expect(said({ stage: "received", not_before_ms: 2_000 })).toBe(
+  expect(wordsFor({ stage: "received" })).toBe("sent 0.5 s ago, the robot has it");
+  expect(wordsFor({ stage: "received", not_before_ms: 2_000 })).toBe(
     "sent 0.5 s ago, the robot has it and waits 1.5 s until its time",
   );
-  expect(said({ stage: "overdue" })).toBe(
+  expect(wordsFor({ stage: "overdue" })).toBe(
     "sent 0.5 s ago, its time is over; it is unknown whether it was carried out, and the robot is asked",
   );
-  expect(said({ stage: "started" })).toBe(
+  expect(wordsFor({ stage: "started" })).toBe(
     "sent 0.5 s ago, the run has it; its answer is on the way",
   );
 });

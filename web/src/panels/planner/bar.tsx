@@ -33,7 +33,7 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
   const isOffered = isShown && isCurrent;
   const isPlanning = planning.state === "planning";
   const place = namesTo(tab.session.machine, container ?? tab.session.machine.root).at(-1);
-  const said = [
+  const messages = [
     planning.state === "idle" ? missing : planningInWords(planning, 0),
     fault,
     isOffered && fault === null ? `The plan is on the canvas, in ${place}.` : null,
@@ -42,11 +42,11 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
   ];
   return (
     <div className="planner-bar">
-      <p className="planner-said" role="status">
+      <p className="planner-status" role="status">
         {isPlanning ? (
           <Running planner={planner} />
         ) : (
-          said.filter((each) => each !== null).join(" ")
+          messages.filter((each) => each !== null).join(" ")
         )}
       </p>
       <div className="planner-buttons">

@@ -9,7 +9,7 @@ import { Running } from "./running.tsx";
 afterEach(unmount);
 
 /** What the panel says of a run in progress of which nothing active is known. */
-async function said(link: RunNow["link"]): Promise<string | null> {
+async function shownFor(link: RunNow["link"]): Promise<string | null> {
   const { watch } = watched(runLine("live"), { snapshot: null, link });
   const place = shown(<Running />, { watch });
   await settled();
@@ -17,6 +17,6 @@ async function said(link: RunNow["link"]): Promise<string | null> {
 }
 
 test("before a robot was heard nobody knows what is active", async () => {
-  expect(await said("silent")).toMatch(/^Not known yet/);
-  expect(await said("up")).toMatch(/^Nothing is running/);
+  expect(await shownFor("silent")).toMatch(/^Not known yet/);
+  expect(await shownFor("up")).toMatch(/^Nothing is running/);
 });

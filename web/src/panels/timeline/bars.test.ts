@@ -35,8 +35,10 @@ test("calls are bars from their entry to their end, those in progress reach up t
 test("what left an error looks as what aborted, whatever its outcome", () => {
   const { calls, rows } = rowsOf(events("> R\n> R/A\n< R/A done: no way\n> R/B\n< R/B done"));
   const scale = { span: { from_ns: 0, to_ns: 10e6 }, width: 100, end_ns: 8e6 };
-  const looks = barsOf(calls, rows[1] as CallRow, scale).map((bar) => "look" in bar && bar.look);
-  expect(looks).toEqual(["aborted", "ended"]);
+  const appearances = barsOf(calls, rows[1] as CallRow, scale).map(
+    (bar) => "look" in bar && bar.look,
+  );
+  expect(appearances).toEqual(["aborted", "ended"]);
 });
 
 test("what is narrow is drawn together, and failures are not lost in it", () => {

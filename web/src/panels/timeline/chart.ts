@@ -49,7 +49,7 @@ class Chart {
   readonly #options: ChartOptions;
   readonly #stops: (() => void)[];
   /** Colours and font while the canvas is in the document; null before they are read. */
-  #looks: Pick<Scene, "inks" | "font"> | null = null;
+  #style: Pick<Scene, "inks" | "font"> | null = null;
   #frame = 0;
 
   constructor(places: ChartPlaces, options: ChartOptions) {
@@ -60,7 +60,7 @@ class Chart {
       this.#soon();
     });
     const theme = onTheme(() => {
-      this.#looks = null;
+      this.#style = null;
       this.#soon();
     });
     const resized = new ResizeObserver(() => this.#soon());
@@ -112,7 +112,7 @@ class Chart {
     const { ruler, rows, scroller } = this.#places;
     // A hidden panel has no size and no colours. It is painted when it becomes visible.
     if (!rows.isConnected) return;
-    this.#looks ??= { inks: inksOf(rows), font: getComputedStyle(rows).fontFamily };
+    this.#style ??= { inks: inksOf(rows), font: getComputedStyle(rows).fontFamily };
     const { tab, model, parted_ns, gaps } = this.#options;
     const { calls } = model;
     const found = model.found.peek();
@@ -135,7 +135,7 @@ class Chart {
       gaps: gaps(),
       nameOf: namesOf(tab.session),
       timeOf: (t_ns, step_ms) => runTime(model.watch, t_ns, step_ms),
-      ...this.#looks,
+      ...this.#style,
     };
     const { width } = scene.scale;
     const above = scaledContext(ruler, { width, height: RULER_PX }, OPAQUE);
@@ -211,7 +211,7 @@ class Chart {
   #showAt(x: number): void {
     const { model } = this.#options;
     const t_ns = timeAt(this.#scale, x);
-    if (t_ns >= model.told_ns) model.show(null);
+    if (t_ns >= model.lastEvent_ns) model.show(null);
     else model.showTime(t_ns);
   }
 
@@ -244,7 +244,7 @@ class Chart {
     const { tab, model } = this.#options;
     const { calls } = model;
     const { call, seen } = this.#pointedAt(event);
-    const isNow = timeAt(this.#scale, event.offsetX) >= model.told_ns;
+    const isNow = timeAt(this.#scale, event.offsetX) >= model.lastEvent_ns;
     if (call === null || (isNow && calls.end(call) === NONE)) this.#showAt(event.offsetX);
     else this.#showIn(call, event.offsetX);
     const path = call === null ? seen?.path : calls.path(call);

@@ -5,7 +5,7 @@ import { RunLanes } from "../../store/history/lanes.ts";
 import { events } from "../../store/testing/events.ts";
 import { lanesIn, layoutOf, ROW_PX, rowAt } from "./layout.ts";
 
-function told() {
+function setUp() {
   const journal = new Journal();
   const entries = events(`> R
     > R/P
@@ -24,7 +24,7 @@ function told() {
 }
 
 test("lanes stand below one another, a folded one has one row", () => {
-  const { lanes } = told();
+  const { lanes } = setUp();
   const open = layoutOf(lanes, new Set());
   expect(open.lanes.map(({ lane, rows }) => [lane.path, rows.length])).toEqual([
     ["R", 2],
@@ -39,7 +39,7 @@ test("lanes stand below one another, a folded one has one row", () => {
 });
 
 test("branches that did not run in a part of time can be left out", () => {
-  const { calls, lanes } = told();
+  const { calls, lanes } = setUp();
   const paths = (from_ns: number, to_ns: number) =>
     lanesIn(calls, lanes, { from_ns, to_ns }).map(({ path }) => path);
   expect(paths(0, 9e6)).toEqual(["R", "R/P/X", "R/P/Y"]);

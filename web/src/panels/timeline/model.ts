@@ -66,11 +66,12 @@ export class TimelineModel {
   /** True if all events of the visible span are loaded; otherwise the server draws it. Reads a signal. */
   get isHere(): boolean {
     this.watch.journalVersion.value;
-    const { watch, span, told_ns } = this;
+    const { watch, span, lastEvent_ns } = this;
     const { journal, window } = watch;
     if (window === journal && journal.base === null) return true;
     const isBegun = hasTime(watch, window, span.from_ns);
-    const isWhole = window === journal || hasTime(watch, window, Math.min(span.to_ns, told_ns));
+    const isWhole =
+      window === journal || hasTime(watch, window, Math.min(span.to_ns, lastEvent_ns));
     return isBegun && isWhole;
   }
 
@@ -125,7 +126,7 @@ export class TimelineModel {
   }
 
   /** Time of the last event, after which nothing has changed. */
-  get told_ns(): number {
+  get lastEvent_ns(): number {
     const { journal } = this.watch;
     return journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   }

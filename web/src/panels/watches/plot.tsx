@@ -115,8 +115,8 @@ async function draw(home: HTMLElement, latest: () => Latest): Promise<uPlot> {
 function tell(home: HTMLElement, plot: uPlot, { watched }: Latest): void {
   const point = pointAt(plot, watched.history.series.points);
   const words = point ? `${point.value} at ${duration(point.t_ns / 1e6)}` : "";
-  const told = home.parentElement?.querySelector(".watches-told");
-  if (told) told.textContent = words;
+  const output = home.parentElement?.querySelector(".watches-cursor-value");
+  if (output) output.textContent = words;
 }
 
 function show(plot: uPlot, { watched }: Latest): void {

@@ -228,7 +228,7 @@ function Steps({ watched: { name, watch, history } }: { watched: ShownValue }) {
         disabled={!after}
         onClick={() => show(after?.sequence)}
       />
-      <output className="watches-told" />
+      <output className="watches-cursor-value" />
       <span className="watches-faint">{series.count} values</span>
     </div>
   );

@@ -23,7 +23,7 @@ test("a text becomes the other by what is different only", () => {
 });
 
 test("what is typed is told, what is put in is not", () => {
-  const told: string[] = [];
+  const calls: string[] = [];
   const place = document.body.appendChild(document.createElement("div"));
   const editor = scriptEditor(place, {
     text: "return 0",
@@ -32,13 +32,13 @@ test("what is typed is told, what is put in is not", () => {
     names: () => ({ inputs: [], outputs: [], outcomes: [], globals: [] }),
     check: async () => [],
     onRepair: async () => {},
-    onType: (text) => told.push(text),
-    onApply: () => told.push("applied"),
+    onType: (text) => calls.push(text),
+    onApply: () => calls.push("applied"),
   });
   editor.put("return 1");
-  expect(told).toEqual([]);
+  expect(calls).toEqual([]);
   editor.view.dispatch({ changes: { from: 7, to: 8, insert: "2" }, userEvent: "input.type" });
-  expect(told).toEqual(["return 2"]);
+  expect(calls).toEqual(["return 2"]);
   expect(editor.view.contentDOM.getAttribute("aria-label")).toBe("Script of Scan");
   editor.goTo(99);
   expect(editor.view.state.selection.main.head).toBe(0);

@@ -69,7 +69,7 @@ const CHECK_AFTER_MS = 300;
 export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): ScriptEditor {
   const access = new Compartment();
   let isPut = false;
-  const told = EditorView.updateListener.of((update) => {
+  const changeListener = EditorView.updateListener.of((update) => {
     if (update.docChanged && !isPut) options.onType(update.state.doc.toString());
   });
   const view = new EditorView({
@@ -80,7 +80,7 @@ export function scriptEditor(place: HTMLElement, options: ScriptEditorOptions): 
       pythonText(options.label),
       editing(options),
       access.of(readable(options.readOnly)),
-      told,
+      changeListener,
     ],
   });
   const put = (text: string) => {

@@ -41,10 +41,10 @@ export function useValue(page: Page, tab: OpenTab, watch: Watch, target: Target)
   const signal = useMemo(() => computed(() => find(tab, watch, target)), [tab, watch, target]);
   const found = useThrottled(signal, PACE_MS);
   const asked = useDetail(page.runs, watch.id, found.state === "event" ? found.sequence : null);
-  return found.state === "event" ? told(asked, target) : found;
+  return found.state === "event" ? fromDetail(asked, target) : found;
 }
 
-function told({ detail, refusal }: Detailed, target: Target): ValueNow {
+function fromDetail({ detail, refusal }: Detailed, target: Target): ValueNow {
   if (!detail) return refusal === null ? COMING : { state: "none", why: refusal };
   const value = valueIn(detail.event, target);
   if (value === undefined) return { state: "none", why: "it was not kept" };

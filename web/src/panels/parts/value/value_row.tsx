@@ -67,7 +67,7 @@ export function ValueRow({ name, value, valuePath, tree, actions }: ValueRowProp
       </div>
       {isOpen && (
         <div className="value-inside">
-          <Inside found={found} name={name} valuePath={valuePath} tree={tree} />
+          <ExpandedValue found={found} name={name} valuePath={valuePath} tree={tree} />
         </div>
       )}
     </div>
@@ -90,8 +90,8 @@ function Short({ short, kind }: { readonly short: string; readonly kind: Read["k
 /** Type, unless the text of the value contains it. */
 function TypeOf({ found, short }: { found: Read; short: string }) {
   const words = typeWords(found);
-  const isSaid = found.kind === "none" || found.kind === "error" || short.startsWith(words);
-  return isSaid ? null : (
+  const isRedundant = found.kind === "none" || found.kind === "error" || short.startsWith(words);
+  return isRedundant ? null : (
     <span className="value-type" title={words}>
       {words}
     </span>
@@ -128,14 +128,14 @@ function hasInside(found: Read): boolean {
   }
 }
 
-interface InsideProps {
+interface ExpandedValueProps {
   readonly found: Read;
   readonly name: string | undefined;
   readonly valuePath: string;
   readonly tree: ValueTree;
 }
 
-function Inside({ found, name = "value", valuePath, tree }: InsideProps) {
+function ExpandedValue({ found, name = "value", valuePath, tree }: ExpandedValueProps) {
   switch (found.kind) {
     case "text":
       return <LongText text={found.text} count={found.count} />;
@@ -155,7 +155,7 @@ function Inside({ found, name = "value", valuePath, tree }: InsideProps) {
   }
 }
 
-interface ValueRowsProps extends InsideProps {
+interface ValueRowsProps extends ExpandedValueProps {
   readonly found: Extract<Read, { kind: "list" | "array" }>;
   readonly name: string;
 }
