@@ -87,9 +87,9 @@ async function live(setup: BenchSetup): Promise<Frames & { readonly ages: readon
     await lookAround(sheet);
     const session = await sheet.context().newCDPSession(sheet);
     const ages = await notedAges(sheet);
-    const before = await told(sheet);
+    const before = await eventCount(sheet);
     const events = await traced(session, () => lookAround(sheet));
-    const after = await told(sheet);
+    const after = await eventCount(sheet);
     const rate = Math.round(((after.events - before.events) / (after.at - before.at)) * 1_000);
     process.stderr.write(`endless_750: ${rate} events a second\n`);
     const [scripting, presented] = [scriptingPerFrame(events), presentedIntervals(events)];
@@ -100,7 +100,7 @@ async function live(setup: BenchSetup): Promise<Frames & { readonly ages: readon
 }
 
 /** How many events the page was told, and when. */
-function told(sheet: Sheet): Promise<{ readonly events: number; readonly at: number }> {
+function eventCount(sheet: Sheet): Promise<{ readonly events: number; readonly at: number }> {
   return sheet.evaluate(() => ({
     events: window.__rafcon.page.active.value?.run.value?.journal.length ?? 0,
     at: performance.now(),

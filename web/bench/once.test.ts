@@ -12,7 +12,7 @@ test("what was told once is no difference, nor is what the page has forgotten", 
 test("what is missing, twice, another or too much is told", () => {
   const page = [entered(1), entered(1), entered(2, "ROOT/B"), entered(5)];
   expect(compared(page, [entered(1), entered(2, "ROOT/A"), entered(4)])).toEqual([
-    "event 1 was told twice",
+    "event 1 was received twice",
     "event 2 is entered ROOT/B instead of entered ROOT/A",
     "event 4 is missing: entered ROOT",
     "event 5 never was: entered ROOT",

@@ -5,7 +5,7 @@ import type { Server } from "../e2e/support/server.ts";
 import type { EventPage } from "../src/model/generated/protocol.ts";
 
 /** An event in short. */
-export interface Told {
+export interface PageEvent {
   readonly sequence: number;
   /** `entered`, `left`, or another type. */
   readonly kind: string;
@@ -14,7 +14,7 @@ export interface Told {
 }
 
 /** The same with its time since the run began. */
-export interface Kept extends Told {
+export interface Kept extends PageEvent {
   readonly t_ns: number;
 }
 
@@ -33,7 +33,7 @@ export async function theJournal(server: Server, run: string): Promise<readonly 
 }
 
 /** All events that the page has, once it has the last. */
-export async function thePage(sheet: Sheet, last: number): Promise<readonly Told[]> {
+export async function thePage(sheet: Sheet, last: number): Promise<readonly PageEvent[]> {
   await sheet.waitForFunction(
     (wanted) => (window.__rafcon.page.active.value?.run.value?.journal.next ?? 0) > wanted,
     last,
@@ -51,28 +51,34 @@ export async function thePage(sheet: Sheet, last: number): Promise<readonly Told
 }
 
 /** Each difference in words. */
-export function compared(page: readonly Told[], journal: readonly Told[]): readonly string[] {
+export function compared(
+  page: readonly PageEvent[],
+  journal: readonly PageEvent[],
+): readonly string[] {
   const differences: string[] = [];
-  const known = new Map<number, Told>();
-  for (const told of page) {
-    if (known.has(told.sequence)) differences.push(`event ${told.sequence} was told twice`);
-    known.set(told.sequence, told);
+  const known = new Map<number, PageEvent>();
+  for (const received of page) {
+    if (known.has(received.sequence))
+      differences.push(`event ${received.sequence} was received twice`);
+    known.set(received.sequence, received);
   }
   for (const kept of journal) {
-    const told = known.get(kept.sequence);
+    const received = known.get(kept.sequence);
     known.delete(kept.sequence);
-    if (!told) differences.push(`event ${kept.sequence} is missing: ${inWords(kept)}`);
+    if (!received) differences.push(`event ${kept.sequence} is missing: ${inWords(kept)}`);
     // Of what is neither entry nor end the page keeps the newest only.
-    else if (told.kind !== "" && inWords(told) !== inWords(kept)) {
-      differences.push(`event ${kept.sequence} is ${inWords(told)} instead of ${inWords(kept)}`);
+    else if (received.kind !== "" && inWords(received) !== inWords(kept)) {
+      differences.push(
+        `event ${kept.sequence} is ${inWords(received)} instead of ${inWords(kept)}`,
+      );
     }
   }
-  for (const told of known.values()) {
-    differences.push(`event ${told.sequence} never was: ${inWords(told)}`);
+  for (const received of known.values()) {
+    differences.push(`event ${received.sequence} never was: ${inWords(received)}`);
   }
   return differences;
 }
 
-function inWords({ kind, path }: Told): string {
+function inWords({ kind, path }: PageEvent): string {
   return `${kind} ${path}`.trim();
 }

@@ -35,8 +35,8 @@ async function watched(setup: BenchSetup, wanted: Wanted): Promise<void> {
     return { run, samples, events };
   });
   const journal = await theJournal(setup.server, found.run);
-  const told = await thePage(sheet, journal.at(-1)?.sequence ?? 0);
-  const differences = compared(told, journal);
+  const received = await thePage(sheet, journal.at(-1)?.sequence ?? 0);
+  const differences = compared(received, journal);
   for (const text of differences.slice(0, 10)) process.stderr.write(`${text}\n`);
   const warm = found.samples.filter(({ at_ms }) => at_ms >= warmUp(wanted));
   const [scripting, presented] = [

@@ -62,10 +62,13 @@ journey(
   async ({ app, server, tab }) => {
     const other = await tab(app);
     const asked: string[] = [];
-    const said: string[] = [];
+    const errors: string[] = [];
     other.sheet.on("request", (request) => asked.push(request.url()));
-    other.sheet.on("console", (message) => message.type() === "error" && said.push(message.text()));
-    other.sheet.on("pageerror", (error) => said.push(error.message));
+    other.sheet.on(
+      "console",
+      (message) => message.type() === "error" && errors.push(message.text()),
+    );
+    other.sheet.on("pageerror", (error) => errors.push(error.message));
     await other.sheet.reload();
     await other.connected();
     await other.open("library_reuse");
@@ -74,6 +77,6 @@ journey(
     const foreign = asked.filter(
       (url) => !url.startsWith(server.url) && !url.startsWith("data:") && !url.startsWith("blob:"),
     );
-    expect([foreign, said]).toEqual([[], []]);
+    expect([foreign, errors]).toEqual([[], []]);
   },
 );

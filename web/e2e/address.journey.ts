@@ -71,7 +71,7 @@ journey(
 
 journey("an address with a run that there is not says so", HERE, async ({ app }) => {
   await come(app, "?layout=mission&run=nobody-knows-it");
-  await app.told(/nobody-knows-it/);
+  await app.showsText(/nobody-knows-it/);
 });
 
 journey(

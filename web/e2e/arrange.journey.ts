@@ -55,7 +55,7 @@ journey("states are lined up and spread out", HERE, async ({ app }) => {
   const boxes = await Promise.all([FULL, LABEL, PART].map((path) => app.box(path)));
   expect(new Set(boxes.map(({ x }) => Math.round(x))).size).toBe(1);
   await app.command("Distribute vertically");
-  await app.told(/Distribute|stay/);
+  await app.showsText(/Distribute|stay/);
 });
 
 journey(

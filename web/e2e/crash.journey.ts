@@ -4,7 +4,7 @@ import { expect } from "vitest";
 import type { App } from "./support/app.ts";
 import { crashIn } from "./support/crash.ts";
 import { journey } from "./support/journey.ts";
-import { ended, exampleWith, press, stands, toldToTheEnd } from "./support/runs.ts";
+import { ended, exampleWith, press, stands, untilEndReceived } from "./support/runs.ts";
 
 /** The first attempt takes until somebody ends it. */
 const PRESS = `class Jammed(Exception):
@@ -29,7 +29,7 @@ const PRESSED = "PLUGIN/INSERT/PUSHIN/PRESSI";
 
 async function untilOver(app: App): Promise<readonly string[]> {
   await ended(app, "success");
-  await toldToTheEnd(app);
+  await untilEndReceived(app);
   return app.sheet.evaluate(() => {
     const journal = window.__rafcon.page.active.value?.run.value?.journal;
     const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
@@ -43,7 +43,7 @@ journey("a run that crashed is resumed on the recovery path", SETTING, async ({ 
   await press(app, "Start");
   await crashIn(app, server, PRESSED, "tries");
   await stands(app, "crashed");
-  await app.told(/The program of this run died in “Press”/);
+  await app.showsText(/The program of this run died in “Press”/);
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
   const dialog = app.sheet.getByRole("dialog", { name: "Resume the run" });
   await dialog.getByText("Plug the cable in › Insert the plug › Push › Press").waitFor();
@@ -60,7 +60,7 @@ journey("interrupted scripts wait for a decision", SETTING, async ({ app, server
   await app.sheet.getByRole("button", { name: "Decide…" }).click();
   const dialog = app.sheet.getByRole("dialog", { name: "Resume the run" });
   await dialog.getByRole("button", { name: /^Decide for each state/ }).click();
-  await app.told(/The crash interrupted a script/);
+  await app.showsText(/The crash interrupted a script/);
   const bar = app.sheet.locator(".bar", { hasText: "The crash interrupted" });
   await bar.getByRole("button", { name: "Run again" }).click();
   await bar.waitFor({ state: "detached" });

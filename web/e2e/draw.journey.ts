@@ -84,7 +84,7 @@ journey(
     await app.drag(
       await app.port(FULL, "outcome", "full"),
       await app.port(PART, "input", "count"),
-      () => app.told(/transition|outcome|data port/),
+      () => app.showsText(/transition|outcome|data port/),
     );
     await app.settled();
     expect((await app.state(ROOT)).transitions).toEqual(before.transitions);

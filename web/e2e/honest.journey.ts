@@ -51,7 +51,7 @@ journey(
       await old.waitFor({ state: "detached" });
       wire.cut("silent");
       await old.waitFor();
-      await app.told(/No answer from the server for \d+ s|^No connection for/);
+      await app.showsText(/No answer from the server for \d+ s|^No connection for/);
       await linkIs(app, "down");
       await app.sheet.getByText(/^No connection for/).waitFor();
       await untilDownFor(app, CUT_MS);

@@ -78,7 +78,10 @@ journey(
   HERE,
   async ({ app }) => {
     const complaints: string[] = [];
-    app.sheet.on("console", (said) => said.type() === "error" && complaints.push(said.text()));
+    app.sheet.on(
+      "console",
+      (message) => message.type() === "error" && complaints.push(message.text()),
+    );
     await app.select(LABEL);
     const shown = async () => (await app.sheet.locator(".inspector-markdown").innerHTML()).trim();
     const check = async (text: string, expected: string) => {

@@ -36,12 +36,12 @@ journey(
   async ({ app }) => {
     await app.select("PACKER");
     await app.press("Control+Shift+Alt+u");
-    await app.told(
+    await app.showsText(
       "Substitute by library…: select a state inside the machine, not the machine itself",
     );
     await app.press("Escape");
     await app.press("Delete");
-    await app.told("Delete: select something first");
+    await app.showsText("Delete: select something first");
   },
 );
 

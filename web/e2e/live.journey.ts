@@ -10,8 +10,8 @@ import {
   perform,
   press,
   stopRun,
-  toldToTheEnd,
   untilActive,
+  untilEndReceived,
 } from "./support/runs.ts";
 
 const PACKER = "PACKER";
@@ -104,7 +104,7 @@ journey(
   async ({ app }) => {
     await perform(app, "run.start", undefined);
     await ended(app, "success");
-    await toldToTheEnd(app);
+    await untilEndReceived(app);
     await unringed(app, PACKER, "running");
     const list = await panel(app);
     await app.press("f");
@@ -199,7 +199,7 @@ journey("the camera follows what runs, until someone moves it", waiting(), async
   await app.sheet.getByRole("button", { name: "Follow active states", pressed: true }).waitFor();
   await app.sheet.mouse.move(700, 400);
   await app.sheet.mouse.wheel(0, 200);
-  await app.told(/no longer follows the active states/);
+  await app.showsText(/no longer follows the active states/);
   await app.sheet.getByRole("button", { name: "Follow active states", pressed: false }).waitFor();
   await app.sheet.getByRole("button", { name: "Follow again" }).click();
   await app.sheet.getByRole("button", { name: "Follow active states", pressed: true }).waitFor();

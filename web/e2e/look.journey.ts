@@ -45,12 +45,12 @@ journey(
   async ({ app }) => {
     await app.select(PICK);
     const path = app.sheet.getByRole("navigation", { name: "Where you are" });
-    const said = () => path.getByRole("listitem").allTextContents();
-    await expect.poll(said).toEqual(["Pack an order", "…", "Pick from the belt"]);
+    const crumbs = () => path.getByRole("listitem").allTextContents();
+    await expect.poll(crumbs).toEqual(["Pack an order", "…", "Pick from the belt"]);
     await path.getByRole("button", { name: "1 state in between" }).click();
     await app.sheet.getByRole("menuitem", { name: "Pack one part" }).click();
     await app.selected(`state:${PART}`);
-    await expect.poll(said).toEqual(["Pack an order", "Pack one part"]);
+    await expect.poll(crumbs).toEqual(["Pack an order", "Pack one part"]);
   },
 );
 

@@ -178,18 +178,18 @@ journey(
   WITHOUT_ENGINE,
   async ({ app }) => {
     const facts = app.sheet.getByRole("textbox", { name: "Facts" });
-    const looks = () =>
+    const style = () =>
       facts.evaluate((field) => {
         const { padding, fontFamily, backgroundColor } = getComputedStyle(field);
         return { padding, fontFamily, backgroundColor };
       });
     await app.command("Plan…");
     await facts.waitFor();
-    const before = await looks();
+    const before = await style();
     expect(before.padding).not.toBe("0px");
     await app.sheet.reload();
     await app.connected();
     await facts.waitFor();
-    expect(await looks()).toEqual(before);
+    expect(await style()).toEqual(before);
   },
 );

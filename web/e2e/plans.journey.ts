@@ -212,7 +212,7 @@ interface Opened {
   readonly id: string;
 }
 
-interface Told {
+interface DocumentResponse {
   readonly document: Document;
 }
 
@@ -223,7 +223,7 @@ async function walk(
 ): Promise<{ readonly made: number; readonly predicted: number }> {
   let [made, predicted] = [0, 0];
   for (const [index, each] of numbers.entries()) {
-    const { document } = await server.ask<Told>("GET", `/machines/${id}/document`);
+    const { document } = await server.ask<DocumentResponse>("GET", `/machines/${id}/document`);
     if (document.states.length > 300) break;
     const machine = machineOf(document);
     const shown = new OptimisticDocument(document, () => undefined);
@@ -254,7 +254,7 @@ async function showedWhatIs(
   shown: OptimisticDocument,
   { name, edit }: Exclude<Planned, { readonly refused: string }>,
 ): Promise<void> {
-  const { document } = await server.ask<Told>("GET", `/machines/${id}/document`);
+  const { document } = await server.ask<DocumentResponse>("GET", `/machines/${id}/document`);
   const about = `${name}: ${JSON.stringify(edit).slice(0, 3000)}`;
   const paths = [...shown.paths()];
   expect(paths, about).toEqual(document.states.map(({ path }) => path));
@@ -272,7 +272,9 @@ async function make(id: string, edit_id: string, name: string, edit: Edit): Prom
 
 /** What is to be selected is there, and so are both ends of every connection. */
 async function lookAt(id: string, selected: readonly ElementRef[]): Promise<void> {
-  const machine = machineOf((await server.ask<Told>("GET", `/machines/${id}/document`)).document);
+  const machine = machineOf(
+    (await server.ask<DocumentResponse>("GET", `/machines/${id}/document`)).document,
+  );
   for (const { path } of selected) expect(machine.state(path), path).toBeDefined();
   for (const element of elements(machine)) {
     if (isConnection(element)) expect(endsOf(machine, element), element.path).not.toBeNull();
@@ -282,7 +284,9 @@ async function lookAt(id: string, selected: readonly ElementRef[]): Promise<void
 /** Everything that is still there shows where it was. Only the content of a group for which there is no room is made smaller,
  * and stays in the bounds that it had. */
 async function staysInSight(id: string, before: Machine, group: string | undefined): Promise<void> {
-  const machine = machineOf((await server.ask<Told>("GET", `/machines/${id}/document`)).document);
+  const machine = machineOf(
+    (await server.ask<DocumentResponse>("GET", `/machines/${id}/document`)).document,
+  );
   const bounds = group === undefined ? null : boundsIfSmaller(before, machine, group);
   const now = placesById(machine);
   for (const [state, was] of placesById(before)) {

@@ -15,8 +15,8 @@ import {
   runInFront,
   stands,
   stopRun,
-  toldToTheEnd,
   untilActive,
+  untilEndReceived,
 } from "./support/runs.ts";
 import type { Server } from "./support/server.ts";
 
@@ -170,7 +170,7 @@ journey(
     await untilActive(app, "SEARCH/ORTIME/LOOKER");
     await app.select("SEARCH/ORTIME/LOOKER");
     await app.command("Preempt state");
-    await toldToTheEnd(app);
+    await untilEndReceived(app);
     const ends = await app.sheet.evaluate(() => {
       const journal = window.__rafcon.page.active.value?.run.value?.journal;
       const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
@@ -223,7 +223,7 @@ journey(
       const watch = tab?.run.value;
       return watch != null && watch.id !== before && watch.now.value?.run.phase === "finished";
     }, first);
-    await toldToTheEnd(app);
+    await untilEndReceived(app);
     const entered = await app.sheet.evaluate(() => {
       const journal = window.__rafcon.page.active.value?.run.value?.journal;
       const all = [...Array(journal?.length ?? 0).keys()].map((index) => journal?.at(index));
@@ -257,9 +257,9 @@ journey(
     await app.sheet.getByRole("button", { name: /^Save and start/ }).click();
     await heldBefore(app, `${PACKER}/ISFULL`);
     await rename("Print the label");
-    await app.told(/edited since/);
+    await app.showsText(/edited since/);
     await app.sheet.getByRole("button", { name: "Apply edits to the run" }).click();
-    await app.told(/now uses the edited machine/);
+    await app.showsText(/now uses the edited machine/);
     await app.sheet.getByText(/edited since/).waitFor({ state: "detached" });
     await press(app, "Resume");
     await ended(app, "success");

@@ -85,7 +85,7 @@ journey("a script that someone else changed is compared", HERE, async ({ app, co
   await anna.select(LABEL);
   await write(anna, "# theirs");
   await anna.sheet.keyboard.press("Control+Enter");
-  await app.told("Someone else changed this script while you were editing");
+  await app.showsText("Someone else changed this script while you were editing");
   expect(await script(app)).toContain("# theirs");
   await app.sheet.getByRole("button", { name: "Compare…" }).click();
   const both = app.sheet.getByRole("dialog", { name: "Two versions of the script" });

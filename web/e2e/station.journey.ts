@@ -156,7 +156,7 @@ journey("mission control plans a contact with a robot", HERE, async ({ app, serv
   await plan.getByLabel("Link profile").selectOption("deep");
   await plan.getByLabel("Note").fill("Kiruna");
   await add.click();
-  await app.told(/end/);
+  await app.showsText(/end/);
   await plan.getByLabel("End (UTC)").fill("2099-01-01 10:20");
   await add.click();
   await plan
@@ -180,8 +180,8 @@ journey(
     for (const pid of runnersOf(robot, run)) process.kill(pid, "SIGKILL");
     const choices = missionOf(app).getByRole("region", { name: "The run crashed" });
     await choices.getByRole("button", { name: "Run scripts again" }).click();
-    await app.told("scout is asked to resume the run.");
-    await app.told("scout has resumed the run. Its first events are on their way.");
+    await app.showsText("scout is asked to resume the run.");
+    await app.showsText("scout has resumed the run. Its first events are on their way.");
     await choices.waitFor({ state: "detached" });
     await missionOf(app).getByRole("button", { name: "Drive to the bay" }).waitFor();
     await endRun(robot, run);
@@ -199,7 +199,9 @@ journey(
     await missionOf(app).getByRole("button", { name: "Start again…" }).click();
     const question = app.sheet.getByRole("dialog", { name: "Start the run again on scout?" });
     await question.getByRole("button", { name: "Start again" }).click();
-    await app.told("scout has started the run. It is shown here once its first events arrive.");
+    await app.showsText(
+      "scout has started the run. It is shown here once its first events arrive.",
+    );
     await app.until(
       ({ tab }, before) => (tab?.run.value?.id ?? before) !== before && tab !== null,
       run,

@@ -9,6 +9,7 @@ import type { Server } from "./support/server.ts";
 import {
   activeShown,
   finished,
+  historyOf,
   innermost,
   momentShown,
   replayed,
@@ -16,7 +17,6 @@ import {
   shown,
   showsMoment,
   started,
-  told,
 } from "./support/time.ts";
 
 const TENTHS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
@@ -76,7 +76,7 @@ journey(
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
     const run = await finished(server, "hierarchy_and_data");
-    const moves = told(server, run).filter(
+    const moves = historyOf(server, run).filter(
       ({ event }) => !["scoped", "global"].includes(event.type),
     );
     await shown(app, run);
@@ -160,7 +160,7 @@ journey(
   { open: "hierarchy_and_data" },
   async ({ app, server }) => {
     const run = await finished(server, "hierarchy_and_data");
-    const entries = told(server, run).filter(
+    const entries = historyOf(server, run).filter(
       ({ event }) => event.type === "entered" && event.path.endsWith("/ONEPAR/PICKIT"),
     );
     await shown(app, run);
@@ -200,14 +200,14 @@ journey(
     await open(/Look, Turn × 5/);
     await open(/Round 2/);
     await tree.getByRole("treeitem", { name: /^Turn/ }).first().click();
-    const turns = told(server, run).filter(
+    const turns = historyOf(server, run).filter(
       ({ event }) => event.type === "entered" && event.path.endsWith("/TURNIT"),
     );
     await showsMoment(app, turns[1]?.sequence);
     await app.sheet.getByRole("searchbox", { name: /^Search the history/ }).fill("seen");
     const hit = app.sheet.getByRole("treeitem", { name: /Look ended with seen/ });
     await hit.dblclick();
-    const seen = told(server, run).find(
+    const seen = historyOf(server, run).find(
       ({ event }) => event.type === "left" && event.outcome.name === "seen",
     );
     await showsMoment(app, seen?.sequence);
@@ -239,7 +239,7 @@ journey(
     await untilHeld();
     await app.panel("Timeline");
     const entries = () =>
-      told(server, run).filter(
+      historyOf(server, run).filter(
         ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR",
       );
     await expect.poll(() => entries().length).toBeGreaterThan(1);
@@ -283,7 +283,7 @@ journey(
     await menu.getByRole("menuitem", { name: "Start from here" }).click();
     await heldBefore(app, "PACKER/ONEPAR/PICKIT");
     const entries = () =>
-      told(server, run).filter(
+      historyOf(server, run).filter(
         ({ event }) => event.type === "entered" && event.path === "PACKER/ONEPAR/PICKIT",
       );
     const count = ({ active }: Moment) =>

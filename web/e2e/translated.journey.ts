@@ -50,7 +50,7 @@ journey(
     await openMission(app, "drives");
     await status(app).getByText("Running", { exact: false }).waitFor();
     await translate(app, false);
-    await app.told("A translator changes the texts of this page");
+    await app.showsText("A translator changes the texts of this page");
     const pause = { id: `pause-${run}`, command: { type: "pause" } };
     await server.ask("POST", `/runs/${run}/commands`, pause);
     await status(app).getByText("Paused", { exact: false }).waitFor();

@@ -16,7 +16,7 @@ import { sensing } from "./support/values.ts";
 const LOOK = "SENSES/LOOKIN";
 const GRASP = "SENSES/GRASPS";
 
-const few = (rounds: number) => ({
+const withRounds = (rounds: number) => ({
   machines: { sensing: sensing({ rounds, pause_s: 0 }) },
   open: "sensing",
 });
@@ -55,7 +55,7 @@ function value(app: App, group: "Inputs" | "Outputs", name: string, shown: strin
 
 journey(
   "a nested dict and an array are opened, at the end and at a moment",
-  few(6),
+  withRounds(6),
   async (hands) => {
     const { app } = hands;
     await run(hands);
@@ -196,7 +196,7 @@ journey(
 
 journey(
   "values stand at ports while they are shown, and differ from moment to moment",
-  few(6),
+  withRounds(6),
   async (hands) => {
     const { app } = hands;
     await run(hands);
@@ -240,7 +240,7 @@ interface Line {
   };
 }
 
-journey("statistics are what the command line tells of the run", few(12), async (hands) => {
+journey("statistics are what the command line tells of the run", withRounds(12), async (hands) => {
   const { app, server } = hands;
   const id = await run(hands);
   await ended(app, "aborted");
@@ -250,8 +250,8 @@ journey("statistics are what the command line tells of the run", few(12), async 
   const lines = execFileSync(binary(), [...words, ...runs], { encoding: "utf8" })
     .trim()
     .split("\n");
-  const told = lines.map((line) => JSON.parse(line) as Line);
-  const lengths = lengthsOf(told, LOOK);
+  const entries = lines.map((line) => JSON.parse(line) as Line);
+  const lengths = lengthsOf(entries, LOOK);
   expect(lengths).toHaveLength(12);
   const table = app.sheet.getByRole("grid", { name: "Statistics of the run" });
   const row = table.getByRole("row", { name: "Look" });
@@ -273,7 +273,7 @@ function lengthsOf(lines: readonly Line[], path: string): readonly number[] {
   return times.flatMap((t_ns, index) => (index % 2 === 1 ? [t_ns - (times[index - 1] ?? 0)] : []));
 }
 
-journey("an error says where in the script it came up", few(2), async (hands) => {
+journey("an error says where in the script it came up", withRounds(2), async (hands) => {
   const { app } = hands;
   await run(hands);
   await ended(app, "aborted");

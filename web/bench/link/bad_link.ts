@@ -49,7 +49,7 @@ export class BadLink {
       process.env["RAFCON_LINK_PROXY"] ?? join(REPOSITORY, "target/debug/examples/link_proxy");
     if (!existsSync(program)) throw new Error(`there is no ${program}: run it by \`cargo xtask\``);
     const child = owned(spawn(program, words, { stdio: ["pipe", "pipe", "inherit"] }));
-    if (!child.stdout) throw new Error("the bad link says nothing");
+    if (!child.stdout) throw new Error("the bad link has no standard output");
     const lines = createInterface({ input: child.stdout });
     for await (const line of on(lines, "line", { close: ["close"] })) {
       const address = where.exec(String(line))?.[0];

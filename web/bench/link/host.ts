@@ -69,15 +69,15 @@ export class Host {
   /** Begins the server, at its earlier port if it had one. */
   async begin(): Promise<void> {
     const port = this.#link === "" ? "0" : new URL(this.#link).port;
-    const said = openSync(join(this.folder, "stderr.log"), "a");
+    const log = openSync(join(this.folder, "stderr.log"), "a");
     const { inside, address } = this.#where;
     const bind = ["--bind", `${address}:${port}`, "--keep-token"];
     const [program = "", ...words] = [...inside, binary(), ...this.#words, ...bind];
-    const stdio = ["ignore", "pipe", said] as ["ignore", "pipe", number];
+    const stdio = ["ignore", "pipe", log] as ["ignore", "pipe", number];
     const child = owned(spawn(program, words, { env: this.#env, stdio }));
-    closeSync(said);
+    closeSync(log);
     this.#process = child;
-    if (!child.stdout) throw new Error(`${this.name} says nothing`);
+    if (!child.stdout) throw new Error(`${this.name} has no standard output`);
     const lines = createInterface({ input: child.stdout });
     const gone = once(child, "exit").then(([code]) => {
       throw new Error(`${this.name} ended at once (${code}): see ${this.folder}/stderr.log`);

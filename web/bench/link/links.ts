@@ -93,7 +93,7 @@ function figuresOf(link: Link, { whole, bytes, returns, followed }: Measured): r
   const events = within(happened, [whole]);
   const late = events.map((at) => (seen[at] ?? 0) - (happened[at] ?? 0) - delay_ms);
   const live = returns.map((to) => (seen[headAt(happened, to)] ?? 0) - to - delay_ms);
-  const told: Figure[] = [
+  const figures: Figure[] = [
     { name: `${link.name}_events`, value: events.length, unit: "", bar: null },
     {
       name: `${link.name}_latency_p50_s`,
@@ -103,10 +103,11 @@ function figuresOf(link: Link, { whole, bytes, returns, followed }: Measured): r
     },
   ];
   for (const [name, bar] of Object.entries(link.bars)) {
-    if (name.includes("bytes")) told.push({ name, value: bytes / events.length, unit: "B", bar });
+    if (name.includes("bytes"))
+      figures.push({ name, value: bytes / events.length, unit: "B", bar });
     else if (name.startsWith("latency"))
-      told.push({ name, value: quantile(late, 0.99) / 1_000, unit: "s", bar });
-    else told.push({ name, value: Math.max(...live) / 1_000, unit: "s", bar });
+      figures.push({ name, value: quantile(late, 0.99) / 1_000, unit: "s", bar });
+    else figures.push({ name, value: Math.max(...live) / 1_000, unit: "s", bar });
   }
-  return told;
+  return figures;
 }

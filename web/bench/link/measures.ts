@@ -136,9 +136,9 @@ function times({
   robotJournal,
   observer,
 }: Pick<Hour, "robotJournal" | "observer">): readonly number[] {
-  const told = new Map(observer.events);
+  const observedAt = new Map(observer.events);
   const begin = robotJournal.reduce((least, { sequence, t_ns }) => {
-    const at = told.get(sequence);
+    const at = observedAt.get(sequence);
     return at === undefined ? least : Math.min(least, at - t_ns / 1e6);
   }, Number.POSITIVE_INFINITY);
   const happened: number[] = [];
@@ -272,8 +272,8 @@ function differences(
 
 /** Events of the journal that an operator was never told. */
 function missing({ events }: Notes, journal: readonly Kept[]): number {
-  const told = new Set(events.map(([sequence]) => sequence));
-  return journal.filter(({ sequence }) => !told.has(sequence)).length;
+  const received = new Set(events.map(([sequence]) => sequence));
+  return journal.filter(({ sequence }) => !received.has(sequence)).length;
 }
 
 /** From a third of the time on, to the end. */

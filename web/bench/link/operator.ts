@@ -35,7 +35,7 @@ export interface Notes {
   /** Events that came twice or out of order. */
   readonly twice: number;
   /** Up to which event everything came. */
-  readonly told: number;
+  readonly receivedUpTo: number;
 }
 
 type Order =
@@ -114,7 +114,7 @@ class Desk {
   get notes(): Notes {
     const given = [...this.#given.values()];
     const shown = { events: this.#events, statuses: this.#statuses, given };
-    return { ...shown, twice: this.#twice, told: this.#next - 1 };
+    return { ...shown, twice: this.#twice, receivedUpTo: this.#next - 1 };
   }
 
   /** Connects, again and again, and goes on where it was. */

@@ -242,7 +242,7 @@ export class App {
   }
 
   /** What is written for the user lately: refusals, what was done. */
-  async told(words: string | RegExp): Promise<void> {
+  async showsText(words: string | RegExp): Promise<void> {
     await this.sheet.getByText(words).first().waitFor();
   }
 

@@ -107,8 +107,8 @@ export class Firefox {
       typeof look === "string" ? look : `(${look.toString()})(${JSON.stringify(argument ?? null)})`;
     const expression = `(async () => JSON.stringify((await (${text})) ?? null))()`;
     const target = { context: this.#context };
-    const told = await this.#ask("script.evaluate", { expression, target, awaitPromise: true });
-    const { type, result, exceptionDetails } = told as Answer & { result?: { value: string } };
+    const reply = await this.#ask("script.evaluate", { expression, target, awaitPromise: true });
+    const { type, result, exceptionDetails } = reply as Answer & { result?: { value: string } };
     if (type !== "success") throw new Error(JSON.stringify(exceptionDetails));
     return JSON.parse(result?.value ?? "null") as T;
   }
@@ -214,12 +214,12 @@ export class Firefox {
   }
 
   #hear(text: string): void {
-    const told = JSON.parse(text) as Answer & { id?: number; result?: Answer };
-    const waiting = this.#waiting.get(told.id ?? 0);
-    this.#waiting.delete(told.id ?? 0);
-    if (told["type"] === "error")
-      waiting?.failed(new Error(`${told["error"]}: ${told["message"]}`));
-    else waiting?.done(told.result ?? {});
+    const reply = JSON.parse(text) as Answer & { id?: number; result?: Answer };
+    const waiting = this.#waiting.get(reply.id ?? 0);
+    this.#waiting.delete(reply.id ?? 0);
+    if (reply["type"] === "error")
+      waiting?.failed(new Error(`${reply["error"]}: ${reply["message"]}`));
+    else waiting?.done(reply.result ?? {});
   }
 }
 
@@ -326,7 +326,7 @@ class Place {
 
 /** Where it listens, as it says itself. */
 async function address(child: ChildProcess): Promise<string> {
-  if (!child.stderr) throw new Error("Firefox cannot be heard");
+  if (!child.stderr) throw new Error("Firefox has no error output");
   const lines = createInterface({ input: child.stderr });
   for await (const line of lines) {
     const found = line.match(/WebDriver BiDi listening on (ws:\S+)/)?.[1];

@@ -39,11 +39,11 @@ export async function startAndShow(
 
 /** Waits until the page has been told so many events more than now. */
 export async function goesOn(app: App, events = 10): Promise<void> {
-  const before = await told(app);
-  await vi.waitUntil(async () => (await told(app)) >= before + events, PATIENCE);
+  const before = await receivedCount(app);
+  await vi.waitUntil(async () => (await receivedCount(app)) >= before + events, PATIENCE);
 }
 
-async function told(app: App): Promise<number> {
+async function receivedCount(app: App): Promise<number> {
   return app.sheet.evaluate(
     () => window.__rafcon.page.active.value?.run.value?.journal.length ?? 0,
   );
@@ -88,7 +88,7 @@ export async function endsWhole(app: App, server: Server, run: string): Promise<
     PATIENCE,
   );
   const there = await eventsOf(server, run);
-  await vi.waitUntil(async () => (await told(app)) >= there.length, PATIENCE);
+  await vi.waitUntil(async () => (await receivedCount(app)) >= there.length, PATIENCE);
   expect(await eventsIn(app)).toEqual(there);
   expect(there.length).toBeGreaterThan(20);
 }

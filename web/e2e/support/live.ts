@@ -52,7 +52,7 @@ async function coloured(app: App, png: string, tone: Tone, { width }: Box): Prom
       picture.src = asked.url;
       await picture.decode();
       const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
-      if (!context) throw new Error("there is no canvas to look at the picture with");
+      if (!context) throw new Error("the browser cannot create a canvas to read the picture");
       context.drawImage(picture, 0, 0);
       const { data } = context.getImageData(0, 0, picture.width, picture.height);
       const canvas = document.querySelector("[role=application]") ?? document.body;

@@ -39,7 +39,7 @@ async function edges(app: App, png: Buffer): Promise<Box> {
     const picture = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
     const { width, height } = picture;
     const context = new OffscreenCanvas(width, height).getContext("2d");
-    if (!context) throw new Error("there is no canvas to look at the picture with");
+    if (!context) throw new Error("the browser cannot create a canvas to read the picture");
     context.drawImage(picture, 0, 0);
     const { data } = context.getImageData(0, 0, width, height);
     const colour = (x: number, y: number) =>

@@ -89,7 +89,7 @@ export async function stopRun(app: App): Promise<void> {
 }
 
 /** Waits until the page has been told of the end of the run in front, and so of all that happened in it. */
-export async function toldToTheEnd(app: App): Promise<void> {
+export async function untilEndReceived(app: App): Promise<void> {
   await app.until(({ tab }) => {
     const journal = tab?.run.value?.journal;
     const last = journal?.at(journal.length - 1);

@@ -184,7 +184,7 @@ function settingsOf(pid: string): readonly string[] {
 
 /** The first line with these words; what follows is read, and told to nobody. */
 function lineWith(stream: Readable | null, words: string): Promise<string> {
-  if (!stream) throw new Error("the server says nothing");
+  if (!stream) throw new Error("the server has no standard output");
   return new Promise((found) => {
     createInterface({ input: stream }).on("line", (line) => {
       if (line.includes(words)) found(line);
@@ -193,7 +193,7 @@ function lineWith(stream: Readable | null, words: string): Promise<string> {
 }
 
 async function firstLine(child: ChildProcess): Promise<string> {
-  if (!child.stdout) throw new Error("the server says nothing");
+  if (!child.stdout) throw new Error("the server has no standard output");
   const lines = createInterface({ input: child.stdout });
   const line = once(lines, "line").then(([text]) => String(text));
   const gone = once(child, "exit").then(([code]) => {

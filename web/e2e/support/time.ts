@@ -94,7 +94,7 @@ export function replayed(server: Server, run: string, at: number): Moment {
 }
 
 /** All that happened, as `rafcon history` tells it. */
-export function told(server: Server, run: string): readonly HistoryEntry[] {
+export function historyOf(server: Server, run: string): readonly HistoryEntry[] {
   return rafcon(server, "history", run, "--json").map((line) => JSON.parse(line) as HistoryEntry);
 }
 
