@@ -87,7 +87,7 @@ function RunStatusMark({ watch }: { watch: Watch }) {
   const { isOld, age_ms } = useRunAge(page, watch);
   if (status === null) return <span>Run …</span>;
   return (
-    <span className={`run-chooser-stand shows-run ${isOld ? "is-old" : ""}`}>
+    <span className={`run-chooser-status shows-run ${isOld ? "is-old" : ""}`}>
       <span className="visually-hidden">Run:</span>
       <RunStatusView status={status} />
       <span className="run-elapsed">{elapsed}</span>

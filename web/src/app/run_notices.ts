@@ -206,7 +206,7 @@ function tellCrash(watch: Watch, name: () => string, tell: Tell): () => void {
 }
 
 /** A new request or offer of control to the user; null if there is none. */
-function wishOf(control: Control, before: Control | null, user: string): string | null {
+function requestOf(control: Control, before: Control | null, user: string): string | null {
   const { holder, requests, offered_to } = control;
   const asker = requests.find((other) => !before?.requests.includes(other));
   if (holder === user && asker !== undefined) return `${asker} asks for`;
@@ -226,9 +226,9 @@ function tellControl(
     const user = sessionOfPage(page)?.user;
     if (!control || user === undefined) return;
     const { holder } = control;
-    const wish = wishOf(control, before, user);
-    if (wish !== null) {
-      const text = `${wish} control of ${name()}`;
+    const request = requestOf(control, before, user);
+    if (request !== null) {
+      const text = `${request} control of ${name()}`;
       tell({ topic: "request", level: "warning", text, title: "Mission control" });
     }
     if (before && before.holder !== holder && (holder === user || before.holder === user)) {

@@ -194,13 +194,13 @@ export function readKeys(
   const faults: string[] = [];
   const found: unknown = JSON.parse(text);
   const rafcon = typeof found === "object" && found !== null ? Object.entries(found as object) : [];
-  for (const [id, wanted] of rafcon) {
+  for (const [id, bindings] of rafcon) {
     if (!isCommand(id)) faults.push(`there is no command ${id}`);
-    else if (!Array.isArray(wanted)) faults.push(`${id}: keys must be a list of texts`);
+    else if (!Array.isArray(bindings)) faults.push(`${id}: keys must be a list of texts`);
     else {
-      const read = wanted.map((each) => (typeof each === "string" ? readKey(each) : null));
+      const read = bindings.map((each) => (typeof each === "string" ? readKey(each) : null));
       read.forEach((key, index) => {
-        if (key === null) faults.push(`${id}: ${String(wanted[index])} is not a key`);
+        if (key === null) faults.push(`${id}: ${String(bindings[index])} is not a key`);
       });
       keys[id] = read.filter((key) => key !== null);
     }

@@ -53,11 +53,11 @@ export function partOf(value: JsonValue, key: JsonValue): JsonValue {
   const found = read(value);
   switch (found.kind) {
     case "dict": {
-      const wanted = found.hasLiteralKeys ? keyLabel(key) : String(key);
-      const entry = found.entries.find(([name]) => name === wanted);
+      const label = found.hasLiteralKeys ? keyLabel(key) : String(key);
+      const entry = found.entries.find(([name]) => name === label);
       if (entry) return entry[1];
       const isCut = found.count > found.entries.length;
-      throw new WrongValue(isCut ? `"${wanted}" was not kept` : `there is no "${wanted}"`);
+      throw new WrongValue(isCut ? `"${label}" was not kept` : `there is no "${label}"`);
     }
     case "list": {
       const index = indexIn(key, found.count);
@@ -75,11 +75,11 @@ export function partOf(value: JsonValue, key: JsonValue): JsonValue {
 }
 
 function indexIn(key: JsonValue, count: number): number {
-  const wanted = numberIn(key);
-  const index = wanted < 0 ? wanted + count : wanted;
-  if (!Number.isInteger(index)) throw new WrongValue(`${wanted} is not an index`);
+  const position = numberIn(key);
+  const index = position < 0 ? position + count : position;
+  if (!Number.isInteger(index)) throw new WrongValue(`${position} is not an index`);
   if (index < 0 || index >= count)
-    throw new WrongValue(`[${wanted}] is out of range: the length is ${count}`);
+    throw new WrongValue(`[${position}] is out of range: the length is ${count}`);
   return index;
 }
 

@@ -39,17 +39,17 @@ export function addOutcome(machine: Machine, path: string, name?: string): Plann
   const state = interfaceAt(machine, path);
   if (isRefused(state)) return state;
   const taken = outcomesOf(state);
-  const wanted = name?.trim() ?? newOutcomeName(state);
+  const outcomeName = name?.trim() ?? newOutcomeName(state);
   const bad = nameRefused(
     "outcome",
-    wanted,
+    outcomeName,
     taken.map((each) => each.name),
   );
   if (bad) return bad;
   const outcome = freshNumber(taken);
   return {
-    name: `Add outcome ${wanted}`,
-    edit: { edit: "add_outcome", path, outcome, name: wanted },
+    name: `Add outcome ${outcomeName}`,
+    edit: { edit: "add_outcome", path, outcome, name: outcomeName },
     select: [{ kind: "outcome", path, id: outcome }],
   };
 }

@@ -290,7 +290,7 @@ function Sign({ node, calls }: Pick<HistoryRowProps, "node" | "calls">) {
 
 /** Outcome of a call, as text, icon and colour. */
 function End({ call, calls }: { readonly call: number; readonly calls: Calls }) {
-  const look = lookOf(calls, call);
+  const kind = lookOf(calls, call);
   const isBad = hasFailed(calls, call);
   const words = {
     open: "● active",
@@ -299,14 +299,14 @@ function End({ call, calls }: { readonly call: number; readonly calls: Calls }) 
     aborted: "✕ aborted",
     preempted: "⊘ preempted",
     ended: calls.outcome(call)?.name ?? "",
-  }[look];
+  }[kind];
   const error = isBad ? errorInWords(calls.journal.error(calls.end(call))) : "";
   return (
     <span
-      className={`history-end history-${isBad ? "aborted" : look} ${look === "open" ? "shows-run" : ""}`}
+      className={`history-end history-${isBad ? "aborted" : kind} ${kind === "open" ? "shows-run" : ""}`}
       title={error === "" ? words : `${words}: ${error}`}
     >
-      {isBad && look !== "aborted" ? `✕ ${words}` : words}
+      {isBad && kind !== "aborted" ? `✕ ${words}` : words}
     </span>
   );
 }

@@ -30,7 +30,7 @@ export function Attention({ watch }: { readonly watch: Watch }) {
   }, [watch]);
   const isDiverged = useComputed(() => watch.now.value?.run.phase === "diverged", [watch]);
   return (
-    <div className="mission-wants">
+    <div className="mission-alerts">
       <span className="visually-hidden" role="status">
         {askedInWords(questions)}
         {decisions > 0 ? ` ${decisionsInWords(decisions)} to make after a crash` : ""}
@@ -38,7 +38,7 @@ export function Attention({ watch }: { readonly watch: Watch }) {
       {questions > 0 && <Asked watch={watch} count={questions} />}
       {decisions > 0 && <ToDecide count={decisions} />}
       {length > 0 && <ToAcknowledge count={length} />}
-      {isLost && <p className="mission-want">Paused by a lost link: resume to continue</p>}
+      {isLost && <p className="mission-alert">Paused by a lost link: resume to continue</p>}
       {questions + decisions + length === 0 && !isLost && !isOld && !isDiverged && (
         <p className="mission-soft">Nothing to decide</p>
       )}
@@ -61,13 +61,13 @@ function Asked({ watch, count }: { readonly watch: Watch; readonly count: number
   return (
     <button
       type="button"
-      className={`mission-want ${isSoon(left_ms) ? "mission-want-soon" : ""}`}
+      className={`mission-alert ${isSoon(left_ms) ? "mission-alert-soon" : ""}`}
       title="Show the most urgent question"
       onClick={(event) => show(event, `[data-question="${id}"]`)}
     >
       <CircleHelp size={18} aria-hidden />
       {count === 1 ? "1 question" : `${count} questions`}
-      {left_ms !== null && <span className="mission-want-left">{duration(left_ms)}</span>}
+      {left_ms !== null && <span className="mission-alert-left">{duration(left_ms)}</span>}
     </button>
   );
 }
@@ -76,7 +76,7 @@ function ToDecide({ count }: { readonly count: number }) {
   return (
     <button
       type="button"
-      className="mission-want mission-want-crash"
+      className="mission-alert mission-alert-crash"
       title="Show decisions to make after the crash"
       onClick={(event) => show(event, ".mission-crash")}
     >
@@ -94,7 +94,7 @@ function ToAcknowledge({ count }: { readonly count: number }) {
   return (
     <button
       type="button"
-      className="mission-want mission-want-event"
+      className="mission-alert mission-alert-event"
       title="Show the failures"
       onClick={(event) => show(event, ".mission-events")}
     >

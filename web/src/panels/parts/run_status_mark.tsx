@@ -13,7 +13,7 @@ export function RunStatusView({ status, assumed = null }: RunStatusProps) {
   const { word, tone, detail } = status;
   return (
     <span
-      className={`run-stand run-tone-${tone} ${assumed === null ? "" : "run-assumed"}`}
+      className={`run-status run-tone-${tone} ${assumed === null ? "" : "run-assumed"}`}
       title={detail}
     >
       <span className={`run-dot run-dot-${tone}`} aria-hidden />

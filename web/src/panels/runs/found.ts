@@ -14,6 +14,6 @@ export function foundRuns(all: readonly RunSummary[], search: string): readonly 
 }
 
 function textOf(run: RunSummary): string {
-  const stand = statusInWords(summaryStatusWords(run));
-  return `${run.name} ${run.id} ${run.machine?.path ?? ""} ${run.author ?? ""} ${stand}`.toLowerCase();
+  const status = statusInWords(summaryStatusWords(run));
+  return `${run.name} ${run.id} ${run.machine?.path ?? ""} ${run.author ?? ""} ${status}`.toLowerCase();
 }

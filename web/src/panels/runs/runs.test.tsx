@@ -23,7 +23,7 @@ test("a run that is not heard goes on as of a time ago, and is drawn as assumed"
   await settled();
   const rows = [...place.querySelectorAll(".runs-row")].map(
     (row) =>
-      `${row.querySelector(".run-stand")?.textContent}${row.matches(".is-old:has(.run-assumed)") ? " (assumed)" : ""}`,
+      `${row.querySelector(".run-status")?.textContent}${row.matches(".is-old:has(.run-assumed)") ? " (assumed)" : ""}`,
   );
   expect(rows).toEqual(["runningas of 4 min 10 s ago (assumed)", "running"]);
   expect(place.querySelector(".runs-when")?.textContent).toMatch(/by scout’s clock$/);

@@ -78,8 +78,8 @@ const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run)
 
 function rowText(run: RunSummary): string {
   const { word, detail } = summaryStatusWords(run);
-  const heard = run.unheard_since_ms ?? "";
-  return `${run.id} ${run.name} ${word} ${detail} ${heard} ${isLive(run) ? "" : run.length_ms}`;
+  const silentSince_ms = run.unheard_since_ms ?? "";
+  return `${run.id} ${run.name} ${word} ${detail} ${silentSince_ms} ${isLive(run) ? "" : run.length_ms}`;
 }
 
 function isLive({ phase }: RunSummary): boolean {
