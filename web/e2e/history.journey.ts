@@ -39,7 +39,7 @@ journey("what a step changed stands beside it", HERE, async ({ app }) => {
   await app.panel("Edits");
   const steps = app.sheet.getByRole("grid", { name: "Steps, newest first" });
   await steps.getByText("Rename to Another name").click();
-  const detail = app.sheet.getByRole("region", { name: "How Another name differs" });
+  const detail = app.sheet.getByRole("region", { name: "Differences of Another name" });
   await expect.poll(() => detail.textContent()).toContain("Is the box full → Another name");
 });
 

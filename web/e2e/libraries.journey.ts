@@ -41,7 +41,7 @@ journey("a copy of a library comes with its states", HERE, async ({ app }) => {
 journey("where a library is used is listed, and leads there", HERE, async ({ app }) => {
   await menuOf(app, "drive_square");
   await app.sheet.getByRole("menuitem", { name: "Show where it is used" }).click();
-  const used = app.sheet.getByRole("tree", { name: "Where drive_square is used" });
+  const used = app.sheet.getByRole("tree", { name: "Uses of drive_square" });
   await used.getByRole("treeitem", { name: /Drive a large square/ }).click();
   await app.selected(`state:${await app.path("Drive a large square")}`);
 });

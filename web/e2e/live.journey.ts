@@ -213,9 +213,9 @@ journey(
     await perform(app, "run.start", undefined);
     await ended(app, "success");
     await app.sheet.getByRole("button", { name: "Heat: none" }).click();
-    await app.sheet.getByRole("img", { name: "How often states ran: from 1× to 6×" }).waitFor();
+    await app.sheet.getByRole("img", { name: "Executions per state: from 1× to 6×" }).waitFor();
     await app.press("Shift+h");
-    await app.sheet.getByRole("img", { name: /^How long states ran in total/ }).waitFor();
+    await app.sheet.getByRole("img", { name: /^Total time per state/ }).waitFor();
     await app.press("Shift+h");
     await app.sheet.getByRole("button", { name: "Heat: none" }).waitFor();
   },

@@ -31,7 +31,7 @@ journey("a double click goes into a state, the breadcrumb leads out", HERE, asyn
   const at = await app.spot(PART, 200, 160);
   await app.sheet.mouse.dblclick(at.x, at.y);
   await app.until(({ tab }, was) => (tab?.view.camera.value.scale ?? 0) > was * 1.2, before);
-  const path = app.sheet.getByRole("navigation", { name: "Where you are" });
+  const path = app.sheet.getByRole("navigation", { name: "Breadcrumb" });
   await path.getByRole("button", { name: "Pack an order" }).click();
   await app.until(
     ({ tab }, was) => Math.abs((tab?.view.camera.value.scale ?? 0) - was) < was * 0.01,
@@ -44,7 +44,7 @@ journey(
   { ...HERE, browser: { viewport: { width: 1280, height: 720 } } },
   async ({ app }) => {
     await app.select(PICK);
-    const path = app.sheet.getByRole("navigation", { name: "Where you are" });
+    const path = app.sheet.getByRole("navigation", { name: "Breadcrumb" });
     const crumbs = () => path.getByRole("listitem").allTextContents();
     await expect.poll(crumbs).toEqual(["Pack an order", "…", "Pick from the belt"]);
     await path.getByRole("button", { name: "1 state in between" }).click();

@@ -119,7 +119,7 @@ journey("what does not fit is told, and leads to the library", HERE, async ({ ap
   await panelOf(app).getByLabel("Error").first().waitFor();
   await loadWorld(app, WORLD);
   await panelOf(app).getByRole("button", { name: "Plan", exact: true }).click();
-  const wrong = panelOf(app).getByRole("region", { name: /What is wrong/ });
+  const wrong = panelOf(app).getByRole("region", { name: /Problems/ });
   await wrong.getByRole("button", { name: "skills/odd/park" }).first().click();
   await app.until(
     ({ tab }) => tab?.session.machine.state(tab.session.machine.root)?.name === "Park",
@@ -156,7 +156,7 @@ journey("a state becomes a skill in the inspector", HERE, async ({ app }) => {
     "(:action scan :parameters (?place - Place) :precondition (and) :effect (seen ?place))",
   );
   await app.sheet.keyboard.press("Control+Enter");
-  const wrong = inspector.getByRole("list", { name: "What does not fit" });
+  const wrong = inspector.getByRole("list", { name: "Skill problems" });
   await wrong.getByText("No input is called place").waitFor();
   await inspector.getByRole("button", { name: "Fill in predicates and types" }).click();
   await app.settled();

@@ -131,7 +131,7 @@ export function missionOf(app: App) {
 
 /** Who is in control, in mission control. */
 export function control(app: App) {
-  return missionOf(app).getByRole("region", { name: "Who is in control" });
+  return missionOf(app).getByRole("region", { name: "Control of the run" });
 }
 
 /** State of the run, in mission control. */

@@ -40,7 +40,7 @@ export function Breadcrumb({ tab }: { tab: OpenTab }) {
     room_px,
   );
   return (
-    <nav ref={place} className="breadcrumb" aria-label="Where you are">
+    <nav ref={place} className="breadcrumb" aria-label="Breadcrumb">
       <ol>
         {crumbs.map(({ at, name }, index) => (
           <Fragment key={at}>

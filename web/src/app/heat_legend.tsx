@@ -17,8 +17,8 @@ export function HeatLegend({ tab }: { readonly tab: OpenTab }) {
   if (mode === "off" || most === null) return null;
   const [what, least, much] =
     mode === "count"
-      ? ["How often states ran", "1×", `${most.toLocaleString("en")}×`]
-      : ["How long states ran in total", "0 s", duration(most)];
+      ? ["Executions per state", "1×", `${most.toLocaleString("en")}×`]
+      : ["Total time per state", "0 s", duration(most)];
   const when = isPast ? ", up to this moment" : "";
   return (
     <div className="heat-legend" role="img" aria-label={`${what}${when}: from ${least} to ${much}`}>

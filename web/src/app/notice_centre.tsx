@@ -121,7 +121,8 @@ function More({ count, dropped }: { readonly count: number; readonly dropped: nu
   if (count === 0 && dropped === 0) return null;
   return (
     <p className="notice-more">
-      {count > 0 && `Not listed: ${inWords(count)}. Close some to see them, or look into the log. `}
+      {count > 0 &&
+        `Not listed: ${inWords(count)}. Close some notices to see them, or open the log. `}
       {dropped > 0 && `Dropped: ${inWords(dropped)}. Too many were open.`}
     </p>
   );

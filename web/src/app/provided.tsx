@@ -9,6 +9,6 @@ export const SessionProvider = Session.Provider;
 
 export function useSession(): AppSession {
   const session = useContext(Session);
-  if (!session) throw new Error("this stands outside of the page");
+  if (!session) throw new Error("a component uses the session outside of SessionProvider");
   return session;
 }

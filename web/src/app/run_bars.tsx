@@ -46,7 +46,7 @@ function oldInWords(why: RunAge["why"], age: string, isCurrent: boolean): string
   if (why === "silence")
     return `No answer from the run for ${age}: its program does not respond to the server. What you see is that old; the robot may be elsewhere by now.`;
   if (why === "blackout")
-    return `The robot has not been heard for ${age}: a blackout of the link, or its computer is down. What you see is that old; the run continues on the robot as it is programmed.`;
+    return `No signal from the robot for ${age}: the link is interrupted, or the robot's computer is down. What you see is that old; the run continues on the robot as programmed.`;
   if (why === "runner")
     return `The server lost the connection to the run's program and is reconnecting. What you see of the run is ${age} old; the robot may be elsewhere by now.`;
   return isCurrent

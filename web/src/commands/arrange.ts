@@ -44,7 +44,7 @@ const TOGETHER: readonly UserCommand[] = [
     keys: ["G"],
     classic: ["Ctrl+G", "G"],
     menu: "Arrange/1",
-    needs: "select states that are in the same container",
+    needs: "select states of one container",
     enabled: (context) => canEdit(context) && siblings(context, 1),
     run: (context) =>
       perform(context, (m) => {

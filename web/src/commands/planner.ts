@@ -15,7 +15,7 @@ export const PLANNER: readonly UserCommand[] = [
   {
     id: "planner.show",
     title: "Plan…",
-    detail: "Plans with the skills of libraries: say what is to be reached, and see how.",
+    detail: "Plans a sequence of library skills that reaches a goal.",
     menu: "Insert/2",
     enabled: canEdit,
     run: ({ shell }) => shell.showPanel("planner"),

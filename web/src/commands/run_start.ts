@@ -43,13 +43,13 @@ async function confirmAnother({ page, shell }: CommandContext, tab: OpenTab): Pr
   const [first] = live;
   if (!first) return true;
   const name = first.name === "" ? "this machine" : `“${first.name}”`;
-  const goOn =
+  const active =
     live.length === 1 ? `A run of ${name} is active` : `${live.length} runs of ${name} are active`;
   const began = wallTime(first.started_ms, Date.now());
   const by = first.author === null ? "" : ` by ${first.author}`;
   return shell.confirm({
     title: "Start another run?",
-    text: `${goOn}, started ${began}${by}. Both would run at the same time, perhaps on the same robot.`,
+    text: `${active}, started ${began}${by}. The runs would be active concurrently, perhaps on one robot.`,
     yes: "Start another",
     danger: true,
   });

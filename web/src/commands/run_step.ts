@@ -25,7 +25,7 @@ export const RUN_STEP: readonly UserCommand[] = [
     "Step over",
     "step_over",
     ["Shift+F4"],
-    "Runs to the next state of the same or an outer container.",
+    "Runs to the next state of this container or an outer one.",
   ),
   step("run.out", "Step out", "step_out", ["F3"], "Runs to the next state of an outer container."),
   step(

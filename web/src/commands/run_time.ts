@@ -71,7 +71,7 @@ function refusedEntry({ page, tab }: CommandContext, direction: "before" | "afte
   const watch = runOf(page);
   if (!watch) return NO_RUN;
   const [path] = tab ? selectedStates(tab.view) : [];
-  if (path === undefined) return "no state is selected: select the state whose entries you want";
+  if (path === undefined) return "no state is selected: select a state to go to its entries";
   return entryOf(watch, path, direction) === null
     ? `the state was not entered ${direction} this moment`
     : null;

@@ -83,15 +83,15 @@ function mode(
 }
 
 const FLOWS: readonly { value: FlowMode; title: string }[] = [
-  { value: "selection", title: "Of the selection" },
+  { value: "selection", title: "Selection only" },
   { value: "all", title: "All" },
   { value: "none", title: "None" },
 ];
 
 const HEATS: readonly { value: HeatMode; title: string }[] = [
   { value: "off", title: "None" },
-  { value: "count", title: "How often states ran" },
-  { value: "time", title: "How long states ran" },
+  { value: "count", title: "Executions per state" },
+  { value: "time", title: "Total time per state" },
 ];
 
 const MODES: readonly UserCommand[] = [

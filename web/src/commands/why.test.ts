@@ -23,9 +23,7 @@ test("a command that cannot be done says what it needs", () => {
   expect(why("arrange.substitute", "state:R")).toBe(
     "select a state inside the machine, not the machine itself",
   );
-  expect(why("arrange.group", "outcome:R/A:0")).toBe(
-    "select states that are in the same container",
-  );
+  expect(why("arrange.group", "outcome:R/A:0")).toBe("select states of one container");
   expect(why("arrange.ungroup", "state:R/A")).toBe(
     "select one hierarchy or concurrency inside the machine",
   );

@@ -52,7 +52,7 @@ test("what cannot be is told at its place", () => {
   expect(wrong("(near rover dock)")).toEqual([
     "near: No skill knows near. There is: at, holding, battery.",
   ]);
-  expect(wrong("(at rover)")).toEqual(["(at rover): at takes 2 objects, and here are 1."]);
+  expect(wrong("(at rover)")).toEqual(["(at rover): at takes 2 objects, but has 1."]);
   expect(wrong("(at dock rover)")).toEqual([
     "dock: dock is place, and at takes robot here.",
     "rover: rover is robot, and at takes place here.",
@@ -62,7 +62,7 @@ test("what cannot be is told at its place", () => {
   ]);
   expect(wrong("(and (holding cup)")).toEqual(["(: This bracket is not closed: add a )."]);
   expect(wrong("(holding cup))")).toEqual(["): This bracket closes nothing: remove it."]);
-  expect(wrong("holding")).toEqual(["holding: A fact stands in brackets: (on a b)."]);
+  expect(wrong("holding")).toEqual(["holding: Write a fact in parentheses: (on a b)."]);
   expect(wrong("()")).toEqual(["(): A fact begins with a predicate."]);
 });
 

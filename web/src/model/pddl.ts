@@ -218,7 +218,7 @@ export function faultsIn(terms: readonly PddlTerm[], words: PddlWords): readonly
   const found: PddlFault[] = [];
   for (const term of terms) {
     if (isList(term)) check(term, words, found);
-    else found.push({ ...placeOf(term), message: "A fact stands in brackets: (on a b)." });
+    else found.push({ ...placeOf(term), message: "Write a fact in parentheses: (on a b)." });
   }
   return found;
 }
@@ -241,9 +241,9 @@ function check(list: PddlList, words: PddlWords, faults: PddlFault[]): void {
     }
     return;
   }
-  const wanted = signature.arguments.length;
-  if (rest.length !== wanted) {
-    const message = `${signature.name} takes ${counted(wanted)}, and here are ${rest.length}.`;
+  const expected = signature.arguments.length;
+  if (rest.length !== expected) {
+    const message = `${signature.name} takes ${counted(expected)}, but has ${rest.length}.`;
     faults.push({ ...placeOf(list), message });
     return;
   }
@@ -271,10 +271,10 @@ function faultOfObject(
   const object = objects.find((each) => each.name.toLowerCase() === name.toLowerCase());
   if (!object && name.startsWith("?")) return null;
   if (!object) return `There is no object ${name}: add it to the objects.`;
-  const wanted = signature.arguments[index] ?? [];
-  if (wanted.length === 0 || object.type === "") return null;
-  if (wanted.some((type) => isKindOf(object.type, type, types))) return null;
-  return `${name} is ${object.type}, and ${signature.name} takes ${wanted.join(" or ")} here.`;
+  const expected = signature.arguments[index] ?? [];
+  if (expected.length === 0 || object.type === "") return null;
+  if (expected.some((type) => isKindOf(object.type, type, types))) return null;
+  return `${name} is ${object.type}, and ${signature.name} takes ${expected.join(" or ")} here.`;
 }
 
 function counted(many: number): string {

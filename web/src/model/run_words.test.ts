@@ -94,7 +94,7 @@ test("what is held says by what, each reason once", () => {
   const step = [{ next: "R/B", by: { type: "step" } as const }];
   const loss = [{ next: null, by: { type: "loss", loss: "link" } as const }];
   expect(inShort(live("stepping", [{ held: loss }]))).toBe(
-    "paused: the ground was not heard; resume to continue",
+    "paused: no signal from the ground; resume to continue",
   );
   expect(inShort(live("stepping", [{ held: step }]))).toBe("stepping");
   expect(holdInWords({ type: "start" })).toBe("paused at the start");

@@ -157,7 +157,7 @@ export function reasonOfHold(by: HeldBy): string {
 
 /** Cause of a hold by a lost-link policy, and the remedy. */
 export const LOSS_WORDS: Readonly<Record<Loss, string>> = {
-  link: "the ground was not heard; resume to continue",
+  link: "no signal from the ground; resume to continue",
   command: "nobody gave a command; resume to continue",
 };
 

@@ -62,7 +62,7 @@ test("durative actions are checked without their times", () => {
 
 test("what does not fit in an action is told", () => {
   expect(wrongIn("(:action a :parameters (?x - Cup) :effect (holding ?x ?x))")).toEqual([
-    "holding takes 1 object, and here are 2.",
+    "holding takes 1 object, but has 2.",
   ]);
   expect(wrongIn("(:action a :parameters (?p - Place) :effect (holding ?p))")).toEqual([
     "?p is Place, and holding takes Thing here.",

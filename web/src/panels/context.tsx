@@ -17,7 +17,7 @@ export const PanelHostProvider = Host.Provider;
 
 export function useHost(): PanelHost {
   const host = useContext(Host);
-  if (!host) throw new Error("a panel stands outside of the page");
+  if (!host) throw new Error("a panel is rendered outside of PanelHostProvider");
   return host;
 }
 

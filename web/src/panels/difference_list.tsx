@@ -89,7 +89,7 @@ function Detail({ difference }: { difference: Difference }) {
   const { fields, name, element } = difference;
   const lines = fields.filter(({ isText }) => !isText);
   return (
-    <section className="differences-detail" aria-label={`How ${name} differs`}>
+    <section className="differences-detail" aria-label={`Differences of ${name}`}>
       <h4>
         {KIND_WORDS[element.kind]} {name}
       </h4>

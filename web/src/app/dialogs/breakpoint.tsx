@@ -59,7 +59,7 @@ export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>)
           hint={
             wanted.unattended === "hold"
               ? "A breakpoint that pauses anyway waits for the ground."
-              : "Of a robot with a station: the same happens when its ground is not heard."
+              : "For a robot with a station: applies when its ground sends no signal for this long."
           }
           refusal={
             isFit || !isCount ? null : "a number of seconds between 0 and a year, or nothing"
@@ -113,7 +113,7 @@ function Parts({ wanted, put, count, isCount, onCount }: BreakpointPartsProps) {
         onInput={onCount}
       />
       <Select
-        label="What to pause"
+        label="Scope of the pause"
         value={wanted.scope}
         options={SCOPE}
         onChange={(scope) => put({ scope })}

@@ -19,7 +19,7 @@ const CHOICES = [
   {
     value: "restart",
     title: "Run them again",
-    detail: "With the same inputs. The run continues.",
+    detail: "The inputs are unchanged. The run continues.",
   },
   {
     value: "ask",

@@ -19,7 +19,7 @@ import type { InspectedState, Made } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 const TITLES: Readonly<Record<Loss, string>> = {
-  link: "While the ground is not heard",
+  link: "While there is no signal from the ground",
   command: "While nobody gives a command",
 };
 

@@ -37,7 +37,7 @@ export function SkillForm({ inspected, notes, put }: SkillFormProps) {
         onApply={(text) => run(put({ pddl_action: text }))}
       />
       {faults.length > 0 && (
-        <ul className="inspector-skill-faults" aria-label="What does not fit">
+        <ul className="inspector-skill-faults" aria-label="Skill problems">
           {faults.map((fault) => (
             <li key={fault}>
               <TriangleAlert size={13} aria-hidden />

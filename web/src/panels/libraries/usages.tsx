@@ -37,7 +37,7 @@ export function Usages({ library, onClose }: UsagesProps) {
   const open = ({ usage }: UsageItem) => void goToUsage(host, usage);
   return (
     <Section
-      title={`Where ${library.name} is used`}
+      title={`Uses of ${library.name}`}
       count={rows.length}
       actions={<IconButton label="Close the list" icon={<X size={14} />} onClick={onClose} />}
     >
@@ -52,7 +52,7 @@ export function Usages({ library, onClose }: UsagesProps) {
       {rows.length > 0 && (
         <div className="libraries-usages">
           <Tree
-            label={`Where ${library.name} is used`}
+            label={`Uses of ${library.name}`}
             roots={rows}
             id={({ key }) => key}
             childrenOf={() => null}

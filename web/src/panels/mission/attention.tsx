@@ -115,5 +115,5 @@ function show({ currentTarget }: MouseEvent<HTMLElement>, part: string): void {
 
 function askedInWords(count: number): string {
   if (count === 0) return "";
-  return count === 1 ? "A question waits for an answer" : `${count} questions wait for answers`;
+  return count === 1 ? "1 unanswered question" : `${count} unanswered questions`;
 }

@@ -71,7 +71,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
     return (
       <section className="mission-part" aria-label="Active now">
         <p className="mission-soft">
-          {isKnown ? "Nothing is running." : "What is active is not known yet."}
+          {isKnown ? "Nothing is running." : "Active states are not known yet."}
         </p>
       </section>
     );

@@ -24,7 +24,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
   }, [watch]);
   if (!control || !isOn) {
     return (
-      <section className="mission-part" aria-label="Who is here">
+      <section className="mission-part" aria-label="Users">
         <Identity />
       </section>
     );
@@ -32,7 +32,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
   const { holder, requests } = control;
   const isMine = holder !== null && holder === user;
   return (
-    <section className="mission-part mission-control" aria-label="Who is in control">
+    <section className="mission-part mission-control" aria-label="Control of the run">
       <p className="mission-holder shows-run">
         <KeyRound size={18} aria-hidden />
         <span>

@@ -47,7 +47,7 @@ const CHOICES: readonly {
   {
     policy: "restart",
     title: "Run scripts again",
-    means: "interrupted scripts restart with the same inputs",
+    means: "interrupted scripts restart with unchanged inputs",
   },
   {
     policy: "abort",

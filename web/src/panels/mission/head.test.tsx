@@ -53,7 +53,7 @@ test("in mission control nothing is said to run or not before it is known", asyn
   const { watch } = watched(runLine("live"), { snapshot: null, link: "silent" });
   const place = shown(<Branches watch={watch} />, { watch });
   await settled();
-  expect(place.textContent).toBe("What is active is not known yet.");
+  expect(place.textContent).toBe("Active states are not known yet.");
 });
 
 test("a replica that has diverged is named, with the way out and nothing to resume", async () => {

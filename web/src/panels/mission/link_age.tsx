@@ -67,7 +67,7 @@ function oldInWords({ why, age_ms }: RunAge): string {
   if (why === "engine")
     return `The engine of the run has made no progress for ${duration(age_ms)}.`;
   if (why === "blackout")
-    return `The robot is not heard: what you see is ${duration(age_ms)} old. Commands wait, and expire if they come too late.`;
+    return `No signal from the robot: what you see is ${duration(age_ms)} old. Commands wait, and expire if they arrive too late.`;
   const who =
     why === "link" ? "No answer from the server" : "The server gets no answer from the robot";
   return `${who}: what you see is ${duration(age_ms)} old.`;

@@ -56,7 +56,7 @@ test("nothing is said of the link of a run that is over: it was told while the r
 
 test("a whole link says its delay, its rates, what is on the way and how the clocks differ", async () => {
   expect(await shownFor(WHOLE)).toEqual([
-    "scout is heard",
+    "Receiving from scout",
     "delay: 2.0 s",
     "command given now: effect in 2.0 s, expires in 22 s",
     "planned contact: no contact planned",
@@ -72,7 +72,7 @@ test("a whole link says its delay, its rates, what is on the way and how the clo
 test("in a blackout its length is shown, and that the next status is unknown", async () => {
   const dark = { ...WHOLE, is_heard: false, heard_ms: STARTED_MS, reached_ms: STARTED_MS };
   expect(await shownFor({ ...dark, missing: 1_204 })).toEqual([
-    "scout has not been heard for 1:00",
+    "No signal from scout for 1:00",
     "delay: 2.0 s, 1:00 ago",
     "command given now: effect unknown: no contact with the robot, expires in 22 s",
     "planned contact: no contact planned",
@@ -92,7 +92,7 @@ test("in a blackout nobody knows what has happened since", async () => {
 
 test("a dead up-link is as visible as a dead down-link", async () => {
   const [contact] = await shownFor({ ...WHOLE, reached_ms: STARTED_MS + 33_000 });
-  expect(contact).toBe("scout is heard, but has not confirmed anything from here for 27 s");
+  expect(contact).toBe("Receiving from scout, but it has confirmed nothing from here for 27 s");
 });
 
 test("what is unknown for want of an up-link is said to be", async () => {

@@ -76,13 +76,13 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
 
 /** Most important fact, in large letters. */
 function contact(robot: LinkHealth, now_ms: number): string {
-  if (robot.heard_ms === null) return `${robot.robot} was not heard since the station began`;
+  if (robot.heard_ms === null) return `No signal from ${robot.robot} since the station started`;
   if (robot.is_heard) {
     const silence_ms = upLinkSilence(robot, now_ms);
-    if (silence_ms === null) return `${robot.robot} is heard`;
-    return `${robot.robot} is heard, but has not confirmed anything from here for ${duration(silence_ms)}`;
+    if (silence_ms === null) return `Receiving from ${robot.robot}`;
+    return `Receiving from ${robot.robot}, but it has confirmed nothing from here for ${duration(silence_ms)}`;
   }
-  return `${robot.robot} has not been heard for ${duration(ago(now_ms, robot.heard_ms))}`;
+  return `No signal from ${robot.robot} for ${duration(ago(now_ms, robot.heard_ms))}`;
 }
 
 /** Time since the last confirmation of the robot; null while that is normal, or was never measured. */
@@ -111,7 +111,7 @@ function facts(robot: LinkHealth, now_ms: number): readonly Fact[] {
     [
       "events to come",
       toCome(robot),
-      "Events that the robot has recorded and this station does not have yet, as far as it was told",
+      "Events that the robot has recorded but this station has not received, as last reported by the robot",
     ],
     [
       "commands on the way",
@@ -149,7 +149,11 @@ function toCome({ is_heard, missing }: LinkHealth): string {
 function delay(robot: LinkHealth, now_ms: number): Fact {
   const why = "Half of the measured way to the robot and back";
   if (robot.reached_ms === null || robot.round_trip_ms === null)
-    return ["delay", "unknown: no up-link", "The robot never said that it hears this station"];
+    return [
+      "delay",
+      "unknown: no up-link",
+      "The robot has never confirmed a signal from this station",
+    ];
   const since_ms = upLinkSilence(robot, now_ms);
   const value = duration(robot.round_trip_ms / 2);
   if (since_ms === null) return ["delay", value, why];

@@ -106,8 +106,8 @@ function commandInWords(type: string, author: string, answer: string): string {
 
 /** Text about the silence of the ground. A time of 0 means that there is no silence. */
 function silenceInWords({ link_ms, command_ms }: { link_ms: number; command_ms: number }): string {
-  const link = `The ground has not been heard for ${link_ms / 1000} s`;
+  const link = `No signal from the ground for ${link_ms / 1000} s`;
   const command = `nobody has given a command for ${command_ms / 1000} s`;
   if (link_ms > 0) return command_ms > 0 ? `${link}, ${command}` : link;
-  return command_ms > 0 ? `The ground is heard, ${command}` : "The ground is heard";
+  return command_ms > 0 ? `Receiving from the ground, ${command}` : "Receiving from the ground";
 }

@@ -42,7 +42,7 @@ test("a command to a robot far away says how far it is, as far as the station kn
     "sent 0.5 s ago, should be at the robot; no answer yet",
   );
   expect(wordsFor({ arrives_ms: 2_000, isRobotHeard: false })).toBe(
-    "sent 0.5 s ago, sent again and again; the robot is not heard",
+    "sent 0.5 s ago, resent until confirmed; no signal from the robot",
   );
   const progress = { arrived_bytes: 1_300, bytes: 2_900 };
   expect(wordsFor({ arrives_ms: 2_000, progress })).toBe(

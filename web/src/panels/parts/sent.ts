@@ -95,7 +95,7 @@ function underWay(
     if (contact_ms > 0)
       return `planned for the next contact in ${duration(contact_ms)}${effect(way)}`;
   }
-  if (!isRobotHeard) return "sent again and again; the robot is not heard";
+  if (!isRobotHeard) return "resent until confirmed; no signal from the robot";
   if (progress && progress.arrived_bytes < progress.bytes) {
     const percent = Math.floor((100 * progress.arrived_bytes) / progress.bytes);
     return `${percent} % of ${dataSize(progress.bytes)} has arrived at the robot`;

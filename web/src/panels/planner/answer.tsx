@@ -25,7 +25,7 @@ export function Answer({ tab, planner }: AnswerProps) {
   const before = useSignal(planner.before);
   if (planning.state === "refused") {
     return (
-      <Section title="What is wrong" count={planning.findings.length}>
+      <Section title="Problems" count={planning.findings.length}>
         <Findings findings={planning.findings} />
       </Section>
     );

@@ -37,7 +37,7 @@ export function Bar({ tab, planner, fault, onPlan }: BarProps) {
     planning.state === "idle" ? missing : planningInWords(planning, 0),
     fault,
     isOffered && fault === null ? `The plan is on the canvas, in ${place}.` : null,
-    isShown && !isCurrent ? "The plan on the canvas answers an earlier question." : null,
+    isShown && !isCurrent ? "The plan on the canvas is for an earlier request." : null,
     isIn ? "The plan is in the machine. Undo takes it back." : null,
   ];
   return (

@@ -59,8 +59,8 @@ export function Objects({ planner }: { readonly planner: Planner }) {
       />
       {objects.length === 0 ? (
         <p className="planner-soft">
-          What facts and goal are about. Add objects, or load a PDDL problem or the robot’s world
-          file (JSON with a value for each object).
+          Objects that facts and goal refer to. Add objects, or load a PDDL problem or the robot’s
+          world file (JSON with a value for each object).
         </p>
       ) : (
         <Table

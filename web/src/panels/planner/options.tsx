@@ -39,12 +39,12 @@ export function Options({ planner }: { readonly planner: Planner }) {
           />
         </div>
         <Checkbox
-          label="Look for better plans until then"
+          label="Keep improving the plan until the time limit"
           checked={inputs.anytime}
           onChange={(anytime) => planner.change({ anytime })}
         />
         <Checkbox
-          label="Do at the same time what can be"
+          label="Run independent steps in parallel"
           checked={inputs.parallel}
           onChange={(parallel) => planner.change({ parallel })}
         />

@@ -74,7 +74,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
     return now?.link === "silent" && now.snapshot === null;
   }, [watch]);
   if (isUnknown) {
-    return <Empty title="Not known yet" text="What is active is known once the robot is heard." />;
+    return <Empty title="Not known yet" text="Active states appear once the robot responds." />;
   }
   const text =
     phase === "live" || phase === "starting"

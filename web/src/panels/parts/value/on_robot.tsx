@@ -130,12 +130,12 @@ function words({ bytes, link_bytes, takes_ms, fetch }: OnRobot): string {
   if (link_bytes === null) return `${where} This server does not receive that robot.`;
   if (fetch && fetch.failed === null) {
     const rest = takes_ms === null ? null : (takes_ms * (bytes - fetch.here)) / Math.max(1, bytes);
-    if (rest === null) return `${where} On its way: it goes on when the robot is heard.`;
+    if (rest === null) return `${where} On its way: it continues once the robot responds.`;
     return `${where} On its way, behind all else: about ${duration(rest)} left.`;
   }
   const left = 1 - (fetch?.here ?? 0) / Math.max(1, bytes);
   const what = left < 1 ? "Fetching the rest" : "Fetching";
   const cost = `${what} costs ${dataSize(link_bytes * left)} of the link`;
-  if (takes_ms === null) return `${where} ${cost}; the robot is not heard.`;
+  if (takes_ms === null) return `${where} ${cost}; no signal from the robot.`;
   return `${where} ${cost}, about ${duration(takes_ms * left)} at its rate now.`;
 }
