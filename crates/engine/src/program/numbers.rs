@@ -110,13 +110,13 @@ impl<'p, D> Numbers<'p, D> {
     /// The nodes by number. Removed states keep a placeholder.
     pub(super) fn finish(&self, made: Vec<(NodeId, Node<D>)>) -> Vec<Node<D>> {
         let mut made: BTreeMap<_, _> = made.into_iter().collect();
-        let gone = |number| self.earlier(number).map(remains);
+        let gone = |number| self.earlier(number).map(placeholder);
         (0..self.next).map(NodeId).filter_map(|n| made.remove(&n).or_else(|| gone(n))).collect()
     }
 }
 
 /// The placeholder for a removed state, which keeps its names.
-fn remains<D>(node: &Node<D>) -> Node<D> {
+fn placeholder<D>(node: &Node<D>) -> Node<D> {
     Node {
         state: Arc::clone(&node.state),
         parent: node.parent,

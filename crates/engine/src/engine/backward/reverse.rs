@@ -99,14 +99,14 @@ impl<D: Datum> View<'_, '_, D> {
     ) -> Result<Option<Back>, (Reason, PathId)> {
         let frame = self.run.frames.get(slot);
         let here = within.is_none_or(|top| self.run.is_below(frame.path, top));
-        let stands = matches!(frame.phase, Phase::Held | Phase::Waiting(_));
+        let is_between_children = matches!(frame.phase, Phase::Held | Phase::Waiting(_));
         let id = self.run.frames.id(slot);
         if frame.preempted {
             return Ok(None);
         }
         match self.body(slot) {
             Body::Concurrency(kind, _) => self.branches_go_back(slot, *kind, within),
-            Body::Hierarchy(_) if here && stands => {
+            Body::Hierarchy(_) if here && is_between_children => {
                 let lost = frame.children.in_turn().and_then(|children| {
                     let last = children.undo_log.entries.back();
                     let last = last.map(|entry| entry.run.is_lost());
@@ -115,7 +115,7 @@ impl<D: Datum> View<'_, '_, D> {
                 let back = self.last_goes_back(slot, lost)?;
                 Ok(Some(back(id)))
             }
-            Body::Library(_) if here && stands => {
+            Body::Library(_) if here && is_between_children => {
                 let Children::Library(root) = &frame.children else { return Ok(None) };
                 let lost = root.run.as_ref().map(EndedRun::is_lost);
                 let back = self.last_goes_back(slot, lost.or(root.end.as_ref().map(|_| true)))?;
@@ -181,7 +181,7 @@ impl<D: Datum> View<'_, '_, D> {
         slot: u32,
         within: Option<PathId>,
     ) -> Result<Option<Back>, (Reason, PathId)> {
-        let mut holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let mut holds = self.run.control.holds.iter().filter(|hold| hold.stop_point.parent == slot);
         let checks = holds.any(|hold| hold.check().is_some());
         if checks || !within.is_none_or(|top| self.is_around(slot, top)) {
             return Ok(None);
@@ -195,8 +195,11 @@ impl<D: Datum> View<'_, '_, D> {
     /// True if the child at this place is held before it begins.
     fn begins_held(&self, slot: u32, top: PathId) -> bool {
         let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
-        let mut spots = holds.map(|hold| hold.spot).filter(|spot| spot.parent == slot);
-        spots.any(|spot| spot.when == When::Before && self.is_child_within(slot, spot.child, top))
+        let mut stop_points =
+            holds.map(|hold| hold.stop_point).filter(|stop_point| stop_point.parent == slot);
+        stop_points.any(|stop_point| {
+            stop_point.when == When::Before && self.is_child_within(slot, stop_point.child, top)
+        })
     }
 
     /// True if the branch named by `top` begins in this frame, or contains it.

@@ -165,7 +165,8 @@ impl<'s, D: Datum> Step<'s, D> {
         }
         let held = self.take_holds_after(slot, children, *kind);
         for &child in children {
-            let branch = held.iter().find(|hold| hold.spot.child == child).map(|hold| hold.branch);
+            let branch =
+                held.iter().find(|hold| hold.stop_point.child == child).map(|hold| hold.branch);
             let branch = branch.unwrap_or_else(|| self.open_again(slot));
             self.run.branches.set(branch, true);
             match self.take_end(slot, child) {
@@ -199,9 +200,9 @@ impl<'s, D: Datum> Step<'s, D> {
     ) -> Vec<SuspendedBranch<D>> {
         let holds = &mut self.run.control.holds;
         let ends = |hold: &mut SuspendedBranch<D>| {
-            let child = hold.spot.child;
-            let ended = hold.spot.when == When::After && children.contains(&child);
-            hold.spot.parent == slot && (ended || kind.decider() == Some(child))
+            let child = hold.stop_point.child;
+            let ended = hold.stop_point.when == When::After && children.contains(&child);
+            hold.stop_point.parent == slot && (ended || kind.decider() == Some(child))
         };
         holds.extract_if(.., ends).collect()
     }

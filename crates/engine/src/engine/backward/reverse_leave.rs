@@ -53,15 +53,20 @@ impl<D: Datum> Step<'_, D> {
             _ if frame.children.side_by_side().is_some_and(|children| children.open > 0) => {}
             Concurrency::Preemptive => self.wait(slot, WaitReason::NoChildren),
             Concurrency::Barrier(decider) => {
-                let spot = StopPoint::before(slot, decider.unwrap_or(NONE));
-                self.hold_back(spot, frame.branch, HeldBy::Start);
+                let stop_point = StopPoint::before(slot, decider.unwrap_or(NONE));
+                self.hold_back(stop_point, frame.branch, HeldBy::Start);
             }
         }
     }
 
     /// Holds a branch where a step back has brought it. A branch that was resumed meanwhile passes this stop point.
-    pub(in crate::engine) fn hold_back(&mut self, spot: StopPoint, branch: BranchId, by: HeldBy) {
-        self.hold(spot, branch, by);
+    pub(in crate::engine) fn hold_back(
+        &mut self,
+        stop_point: StopPoint,
+        branch: BranchId,
+        by: HeldBy,
+    ) {
+        self.hold(stop_point, branch, by);
         if !self.run.branches.steps(branch) {
             self.run.work.push(Work::Pass(self.run.control.newest()));
         }
@@ -69,8 +74,8 @@ impl<D: Datum> Step<'_, D> {
 
     /// Ends the branches that are held in a state that is left.
     fn end_held_branches(&mut self, slot: u32) {
-        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            if self.view().is_branch(spot) {
+        for SuspendedBranch { stop_point, branch, .. } in self.run.control.take_in(slot) {
+            if self.view().is_branch(stop_point) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
             }

@@ -79,16 +79,16 @@ impl<D: Datum> Engine<D> {
             return Err((PathId(0), ChangeEffect::Removed));
         }
         let frames = self.run.root.map(|root| self.run.frames.below(root)).unwrap_or_default();
-        let mut stands: BTreeMap<u32, NodeId> = BTreeMap::new();
+        let mut new_nodes: BTreeMap<u32, NodeId> = BTreeMap::new();
         for slot in frames {
             let frame = self.run.frames.get(slot);
             let node = self.program.node(frame.node);
-            let there = match stands.get(&frame.parent) {
+            let there = match new_nodes.get(&frame.parent) {
                 Some(&around) => after.child_of(after.node(around), node.id()).map(|found| found.1),
                 None => Some(Program::<D>::ROOT),
             };
             let there = there.ok_or((frame.path, ChangeEffect::Removed))?;
-            stands.insert(slot, there);
+            new_nodes.insert(slot, there);
             if let Some(touch) = touch(node, after.node(there)) {
                 return Err((frame.path, touch));
             }

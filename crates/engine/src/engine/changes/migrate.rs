@@ -59,11 +59,11 @@ impl<'s, D: Datum> Step<'s, D> {
     fn migrate_holds(&mut self, before: &Program<D>) -> Vec<u32> {
         let mut loose = Vec::new();
         for mut hold in std::mem::take(&mut self.run.control.holds) {
-            let StopPoint { parent, child, .. } = hold.spot;
-            hold.spot.child = self.view().same_child(before, hold.spot);
-            let is_gone = parent != NONE && child != NONE && hold.spot.child == NONE;
-            if let SuspendReason::Checking { inquiry, .. } = &mut hold.why {
-                inquiry.spot = hold.spot;
+            let StopPoint { parent, child, .. } = hold.stop_point;
+            hold.stop_point.child = self.view().same_child(before, hold.stop_point);
+            let is_gone = parent != NONE && child != NONE && hold.stop_point.child == NONE;
+            if let SuspendReason::Checking { scan, .. } = &mut hold.why {
+                scan.stop_point = hold.stop_point;
                 if is_gone {
                     loose.push(parent);
                     continue;
@@ -78,14 +78,14 @@ impl<'s, D: Datum> Step<'s, D> {
     fn renew_holds(&mut self) {
         let mut holds = std::mem::take(&mut self.run.control.holds);
         for hold in &mut holds {
-            let StopPoint { parent, .. } = hold.spot;
+            let StopPoint { parent, .. } = hold.stop_point;
             let SuspendReason::Held { by, next } = &mut hold.why else { continue };
             if parent == NONE || !self.view().is_hierarchy(parent) {
                 continue;
             }
             let upcoming = self.view().upcoming(parent);
-            if hold.spot.when == When::Before {
-                hold.spot.child = upcoming.unwrap_or(NONE);
+            if hold.stop_point.when == When::Before {
+                hold.stop_point.child = upcoming.unwrap_or(NONE);
             }
             let there = upcoming.map(|child| self.child_path(parent, child));
             if there != *next {
@@ -205,8 +205,8 @@ impl<'s, D: Datum> Step<'s, D> {
 
 impl<D: Datum> View<'_, '_, D> {
     /// The index that a child has now; [`NONE`] if it was removed.
-    fn same_child(&self, before: &Program<D>, spot: StopPoint) -> u32 {
-        let StopPoint { parent, child, .. } = spot;
+    fn same_child(&self, before: &Program<D>, stop_point: StopPoint) -> u32 {
+        let StopPoint { parent, child, .. } = stop_point;
         if parent == NONE {
             return child;
         }

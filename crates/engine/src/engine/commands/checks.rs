@@ -10,23 +10,25 @@ use std::sync::Arc;
 impl<D: Datum> Step<'_, D> {
     pub(in crate::engine) fn out_check(
         &mut self,
-        inquiry: &BreakpointScan<D>,
+        scan: &BreakpointScan<D>,
         check: u64,
         condition: SmolStr,
     ) {
-        let spot = inquiry.spot;
-        let (path, node) = (self.spot_path(spot), self.view().spot_node(spot));
-        let was = inquiry.was.clone();
+        let stop_point = scan.stop_point;
+        let (path, node) =
+            (self.stop_point_path(stop_point), self.view().stop_point_node(stop_point));
+        let was = scan.was.clone();
         let inputs = match &was {
             Some(was) => Arc::clone(&was.inputs),
-            None => self.inputs_to_come(spot, path, node),
+            None => self.inputs_to_come(stop_point, path, node),
         };
-        let around = (!spot.is_root()).then(|| self.run.frames.get(spot.parent).node);
-        let scoped_variables = around
-            .map(|around| self.view().scoped_variables(spot.parent, self.program.node(around)));
+        let around = (!stop_point.is_root()).then(|| self.run.frames.get(stop_point.parent).node);
+        let scoped_variables = around.map(|around| {
+            self.view().scoped_variables(stop_point.parent, self.program.node(around))
+        });
         self.out.effects.push(Effect::Check(Check {
             check,
-            branch: inquiry.branch,
+            branch: scan.branch,
             path,
             node,
             condition,
@@ -37,16 +39,16 @@ impl<D: Datum> Step<'_, D> {
     }
 
     /// The inputs that a state would get now. Notes about them are dropped here, and are reported at its entry.
-    fn inputs_to_come(&mut self, spot: StopPoint, path: PathId, id: NodeId) -> Arc<[D]> {
+    fn inputs_to_come(&mut self, stop_point: StopPoint, path: PathId, id: NodeId) -> Arc<[D]> {
         let said = self.out.events.len();
         let node = self.program.node(id);
-        let inputs = if spot.is_root() {
+        let inputs = if stop_point.is_root() {
             self.root_inputs()
-        } else if let Body::Library(content) = self.view().body(spot.parent) {
-            self.library_root_inputs(spot.parent, content, (node, path))
+        } else if let Body::Library(content) = self.view().body(stop_point.parent) {
+            self.library_root_inputs(stop_point.parent, content, (node, path))
         } else {
-            let error = self.run.frames.get(spot.parent).last_error.clone();
-            self.child_inputs(spot.parent, node, (path, error.as_ref()))
+            let error = self.run.frames.get(stop_point.parent).last_error.clone();
+            self.child_inputs(stop_point.parent, node, (path, error.as_ref()))
         };
         self.out.events.truncate(said);
         inputs
@@ -54,11 +56,11 @@ impl<D: Datum> Step<'_, D> {
 }
 
 impl<D: Datum> View<'_, '_, D> {
-    fn spot_node(&self, spot: StopPoint) -> NodeId {
-        if spot.is_root() {
+    fn stop_point_node(&self, stop_point: StopPoint) -> NodeId {
+        if stop_point.is_root() {
             return Program::<D>::ROOT;
         }
-        let parent = self.run.frames.get(spot.parent).node;
-        self.program.node(parent).child(spot.child as usize).unwrap_or(parent)
+        let parent = self.run.frames.get(stop_point.parent).node;
+        self.program.node(parent).child(stop_point.child as usize).unwrap_or(parent)
     }
 }

@@ -41,8 +41,8 @@ impl<'s, D: Datum> Step<'s, D> {
     ) -> Result<(), &'static str> {
         self.view().stands_still(slot)?;
         self.out.events.push(Event::Forced { path, outcome });
-        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            if self.view().is_branch(spot) {
+        for SuspendedBranch { stop_point, branch, .. } in self.run.control.take_in(slot) {
+            if self.view().is_branch(stop_point) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
             }
@@ -72,8 +72,8 @@ impl<'s, D: Datum> Step<'s, D> {
     /// Removes the hold before the state at this place.
     fn take_hold_before(&mut self, place: PathId) -> Option<SuspendedBranch<D>> {
         let before = |hold: &&SuspendedBranch<D>| match hold.why {
-            SuspendReason::Held { .. } if hold.spot.when == When::Before => {
-                self.view().place_at(hold.spot) == Some(place)
+            SuspendReason::Held { .. } if hold.stop_point.when == When::Before => {
+                self.view().place_at(hold.stop_point) == Some(place)
             }
             SuspendReason::Held { .. } | SuspendReason::Checking { .. } => false,
         };
@@ -83,8 +83,8 @@ impl<'s, D: Datum> Step<'s, D> {
 
     /// Skips a state as if it had ended by this outcome, without outputs.
     fn skip(&mut self, hold: &SuspendedBranch<D>, outcome: u32) {
-        let StopPoint { parent, child, .. } = hold.spot;
-        if hold.spot.is_root() {
+        let StopPoint { parent, child, .. } = hold.stop_point;
+        if hold.stop_point.is_root() {
             self.run.finish = Some(Box::new(self.view().unbegun(outcome)));
             return self.finish();
         }
@@ -118,7 +118,7 @@ impl<'s, D: Datum> Step<'s, D> {
         (kind, inside): (Concurrency, &'s Inside<D>),
         outcome: u32,
     ) {
-        let StopPoint { parent, child, .. } = hold.spot;
+        let StopPoint { parent, child, .. } = hold.stop_point;
         let ended = without_outputs(self.program.node(inside.child(child)), outcome);
         let decides = kind.decider() == Some(child);
         let frame = self.run.frames.get_mut(parent);
@@ -149,7 +149,8 @@ impl<D: Datum> View<'_, '_, D> {
     /// Refuses a state that continues by itself.
     fn stands_still(&self, slot: u32) -> Result<(), &'static str> {
         let frame = self.run.frames.get(slot);
-        let checks = |hold: &SuspendedBranch<D>| hold.spot.parent == slot && hold.check().is_some();
+        let checks =
+            |hold: &SuspendedBranch<D>| hold.stop_point.parent == slot && hold.check().is_some();
         match frame.phase {
             Phase::Script => Err("its script runs; preempt it instead"),
             Phase::Checking => Err("the condition of a breakpoint is being evaluated; wait for it"),
@@ -164,12 +165,12 @@ impl<D: Datum> View<'_, '_, D> {
         }
     }
 
-    fn place_at(&self, spot: StopPoint) -> Option<PathId> {
-        if spot.is_root() {
+    fn place_at(&self, stop_point: StopPoint) -> Option<PathId> {
+        if stop_point.is_root() {
             return Some(PathId(0));
         }
-        let around = self.run.frames.get(spot.parent).path;
-        self.run.places.child(around, spot.child as usize, self.program)
+        let around = self.run.frames.get(stop_point.parent).path;
+        self.run.places.child(around, stop_point.child as usize, self.program)
     }
 }
 

@@ -12,13 +12,22 @@ use std::collections::BTreeMap;
 
 impl<D: Datum> Step<'_, D> {
     /// Passes a stop point, after a hold there or because no breakpoint held the branch.
-    pub(in crate::engine) fn go_past(&mut self, spot: StopPoint, branch: BranchId, was_held: bool) {
-        let StopPoint { parent, child, when } = spot;
+    pub(in crate::engine) fn go_past(
+        &mut self,
+        stop_point: StopPoint,
+        branch: BranchId,
+        was_held: bool,
+    ) {
+        let StopPoint { parent, child, when } = stop_point;
         match when {
-            When::Before if spot.is_root() => self.enter_root(),
-            When::After if spot.is_root() => self.finish(),
-            When::Before if self.view().is_branch(spot) => self.begin_branch(parent, child, branch),
-            When::After if self.view().is_branch(spot) => self.branch_done(parent, child, branch),
+            When::Before if stop_point.is_root() => self.enter_root(),
+            When::After if stop_point.is_root() => self.finish(),
+            When::Before if self.view().is_branch(stop_point) => {
+                self.begin_branch(parent, child, branch)
+            }
+            When::After if self.view().is_branch(stop_point) => {
+                self.branch_done(parent, child, branch)
+            }
             When::Before | When::After => {
                 let frame = self.run.frames.get_mut(parent);
                 frame.pass = match when {
@@ -33,7 +42,7 @@ impl<D: Datum> Step<'_, D> {
     /// Passes the hold planned with [`Work::Pass`], if it still exists.
     pub(in crate::engine) fn pass(&mut self, id: u64) {
         if let Some(hold) = self.run.control.take(id) {
-            self.go_past(hold.spot, hold.branch, true);
+            self.go_past(hold.stop_point, hold.branch, true);
         }
     }
 
@@ -121,17 +130,17 @@ impl<D: Datum> Step<'_, D> {
 
     /// Marks the frame in which the step of this hold ends, and sets the mode of its branch.
     fn mark(&mut self, hold: &SuspendedBranch<D>, stride: Stride) {
-        let spot = hold.spot;
+        let stop_point = hold.stop_point;
         let runs_through = match stride {
             Stride::Into | Stride::Back => false,
-            Stride::Over => spot.is_root() || self.view().is_branch(spot),
-            Stride::Out => self.view().leads_out_of_all(spot),
+            Stride::Over => stop_point.is_root() || self.view().is_branch(stop_point),
+            Stride::Out => self.view().leads_out_of_all(stop_point),
         };
         self.run.branches.set(hold.branch, !runs_through);
-        if spot.is_root() || self.view().is_branch(spot) {
+        if stop_point.is_root() || self.view().is_branch(stop_point) {
             return;
         }
-        self.run.frames.get_mut(spot.parent).marker = match stride {
+        self.run.frames.get_mut(stop_point.parent).marker = match stride {
             Stride::Over => Some(Marker::Over),
             Stride::Out => Some(Marker::Out),
             Stride::Into | Stride::Back => None,
@@ -141,11 +150,11 @@ impl<D: Datum> Step<'_, D> {
     /// Releases what is held in a frame that is asked to end. Branches that have not begun never begin; ended branches
     /// count as done.
     pub(in crate::engine) fn release(&mut self, slot: u32) {
-        for SuspendedBranch { spot, branch, .. } in self.run.control.take_in(slot) {
-            match spot.when {
-                _ if !self.view().is_branch(spot) => {}
+        for SuspendedBranch { stop_point, branch, .. } in self.run.control.take_in(slot) {
+            match stop_point.when {
+                _ if !self.view().is_branch(stop_point) => {}
                 When::Before => self.branch_never_begins(slot, branch),
-                When::After => self.branch_done(slot, spot.child, branch),
+                When::After => self.branch_done(slot, stop_point.child, branch),
             }
         }
     }
@@ -201,20 +210,23 @@ impl<D: Datum> View<'_, '_, D> {
         let active = self.active();
         let order: BTreeMap<u32, usize> = active.iter().copied().zip(1..).collect();
         let holds = self.run.control.holds.iter().filter(|hold| hold.by().is_some());
-        let here =
-            |hold: &&SuspendedBranch<D>| within.is_none_or(|top| self.is_within(hold.spot, top));
+        let here = |hold: &&SuspendedBranch<D>| {
+            within.is_none_or(|top| self.is_within(hold.stop_point, top))
+        };
         let mut held: Vec<_> = holds.filter(here).cloned().collect();
-        held.sort_by_key(|hold| (order.get(&hold.spot.parent).copied(), hold.spot.child));
+        held.sort_by_key(|hold| {
+            (order.get(&hold.stop_point.parent).copied(), hold.stop_point.child)
+        });
         held
     }
 
-    fn is_within(&self, spot: StopPoint, top: PathId) -> bool {
-        if spot.is_root() {
+    fn is_within(&self, stop_point: StopPoint, top: PathId) -> bool {
+        if stop_point.is_root() {
             return false;
         }
-        let around = self.run.frames.get(spot.parent).path;
-        let begins = self.is_branch(spot)
-            && self.run.places.child(around, spot.child as usize, self.program) == Some(top);
+        let around = self.run.frames.get(stop_point.parent).path;
+        let begins = self.is_branch(stop_point)
+            && self.run.places.child(around, stop_point.child as usize, self.program) == Some(top);
         begins || self.run.is_below(around, top)
     }
 
@@ -241,11 +253,11 @@ impl<D: Datum> View<'_, '_, D> {
     }
 
     /// True if nothing after the end of this container can hold the branch.
-    fn leads_out_of_all(&self, spot: StopPoint) -> bool {
-        if spot.is_root() || self.is_branch(spot) {
+    fn leads_out_of_all(&self, stop_point: StopPoint) -> bool {
+        if stop_point.is_root() || self.is_branch(stop_point) {
             return true;
         }
-        let parent = self.run.frames.get(spot.parent).parent;
+        let parent = self.run.frames.get(stop_point.parent).parent;
         parent == NONE
             || matches!(self.body(parent), Body::Library(_))
                 && self.leads_out_of_all(StopPoint::before(parent, 0))

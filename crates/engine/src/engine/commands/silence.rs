@@ -36,7 +36,7 @@ impl<D: Datum> Step<'_, D> {
     pub(in crate::engine) fn free_lost(&mut self, frames: &[u32]) {
         let holds = self.run.control.holds.iter();
         let lost = holds.filter(|hold| matches!(hold.by(), Some(HeldBy::Loss(_))));
-        for hold in lost.filter(|hold| frames.contains(&hold.spot.parent)) {
+        for hold in lost.filter(|hold| frames.contains(&hold.stop_point.parent)) {
             self.run.branches.set(hold.branch, false);
         }
     }

@@ -33,7 +33,7 @@ impl<D: Datum> Engine<D> {
         none(!over || run.root.is_none() && run.control.holds.is_empty(), "it is over, and not")?;
         none(run.finish.is_none() || run.root.is_none(), "it ended, and its root is active")?;
         for hold in &run.control.holds {
-            let parent = hold.spot.parent;
+            let parent = hold.stop_point.parent;
             holds(parent == NONE || known.contains(&parent), parent, "a hold in no frame")?;
             holds(run.branches.has(hold.branch), parent, "a hold on a branch that is gone")?;
         }
@@ -50,7 +50,7 @@ impl<D: Datum> Engine<D> {
         holds(self.run.branches.has(frame.branch), slot, "its branch is gone")?;
         holds(frame.phase != Phase::Begun, slot, "it has begun and does nothing")?;
         let place = self.run.places.node(frame.path);
-        holds(place == Some(frame.node), slot, "another state stands at its place")?;
+        holds(place == Some(frame.node), slot, "another state is_suspended at its place")?;
         for child in frame.children.active() {
             let inner = self.run.frames.get(child);
             holds(inner.parent == slot, child, "another frame is around it")?;
@@ -90,8 +90,8 @@ impl<D: Datum> Engine<D> {
 
     /// A hierarchy or library state has one active child, or is held or waits for one reason.
     fn check_single(&self, slot: u32, frame: &Frame<D>) -> Checked {
-        let stands = matches!(frame.phase, Phase::Held | Phase::Checking);
-        let held = self.held_itself(slot) == usize::from(stands);
+        let is_suspended = matches!(frame.phase, Phase::Held | Phase::Checking);
+        let held = self.held_itself(slot) == usize::from(is_suspended);
         holds(held, slot, "it is held without a hold, or has one and is not")?;
         let runs = frame.children.any_active() == (frame.phase == Phase::Child);
         holds(runs, slot, "it runs a child that is not there, or does not run one that is")
@@ -108,7 +108,7 @@ impl<D: Datum> Engine<D> {
         let is_branch = |child: &u32| Some(*child) != kind.decider();
         let active = |child: &u32| children.active(*child).is_some();
         let branches = (0..inside.count()).filter(is_branch);
-        let waits = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let waits = self.run.control.holds.iter().filter(|hold| hold.stop_point.parent == slot);
         let waits = waits.filter(|hold| self.is_branch_hold(hold)).count();
         let open = branches.clone().filter(active).count() + waits;
         holds(children.open as usize == open, slot, "open branches are counted wrongly")?;
@@ -122,8 +122,8 @@ impl<D: Datum> Engine<D> {
         holds(children.winner.is_none() || races, slot, "a barrier has a winner")?;
         let decides = kind.decider().is_some_and(|decider| active(&decider));
         holds(!decides || children.open == 0, slot, "it decides while branches are open")?;
-        let stands = matches!(frame.phase, Phase::Held | Phase::Checking);
-        holds(self.held_itself(slot) == usize::from(stands), slot, "it is held wrongly")
+        let is_suspended = matches!(frame.phase, Phase::Held | Phase::Checking);
+        holds(self.held_itself(slot) == usize::from(is_suspended), slot, "it is held wrongly")
     }
 
     fn check_data(&self, slot: u32, frame: &Frame<D>, inside: &Inside<D>) -> Checked {
@@ -145,18 +145,18 @@ impl<D: Datum> Engine<D> {
 
     /// The number of holds of the frame itself, without those of its branches.
     fn held_itself(&self, slot: u32) -> usize {
-        let inside = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let inside = self.run.control.holds.iter().filter(|hold| hold.stop_point.parent == slot);
         inside.filter(|hold| !self.is_branch_hold(hold)).count()
     }
 
     fn is_branch_hold(&self, hold: &SuspendedBranch<D>) -> bool {
-        let parent = hold.spot.parent;
+        let parent = hold.stop_point.parent;
         parent != NONE
             && match &self.program.node(self.run.frames.get(parent).node).body {
                 Body::Concurrency(kind, _) => {
                     // No child is next before the end of a barrier without a decider.
-                    kind.decider() != Some(hold.spot.child)
-                        && (hold.spot.child != NONE || hold.spot.when == When::After)
+                    kind.decider() != Some(hold.stop_point.child)
+                        && (hold.stop_point.child != NONE || hold.stop_point.when == When::After)
                 }
                 Body::Script | Body::Hierarchy(_) | Body::Library(_) => false,
             }

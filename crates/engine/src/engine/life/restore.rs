@@ -58,25 +58,25 @@ impl<'s, D: Datum> Step<'s, D> {
     fn rebuild(&mut self, root: ActiveStateData<D>, stop: u64) -> Vec<u32> {
         let mut made = Vec::new();
         let mut stack = vec![(RestoredPoint { parent: NONE, child: 0, request: stop }, root)];
-        while let Some((spot, restored)) = stack.pop() {
-            let slot = self.rebuild_frame(spot, &restored);
+        while let Some((point, restored)) = stack.pop() {
+            let slot = self.rebuild_frame(point, &restored);
             made.push(slot);
             let node = self.program.node(self.run.frames.get(slot).node);
-            let request = spot.request.max(self.view().decided_at(slot, &restored));
+            let request = point.request.max(self.view().decided_at(slot, &restored));
             let numbered = restored.children.into_iter().filter_map(|restored| {
                 let child = self.program.child_of(node, &restored.state)?.0;
                 Some((RestoredPoint { parent: slot, child, request }, restored))
             });
             let first = stack.len();
             stack.extend(numbered);
-            stack[first..].sort_by_key(|(spot, _)| std::cmp::Reverse(spot.child));
+            stack[first..].sort_by_key(|(point, _)| std::cmp::Reverse(point.child));
         }
         made
     }
 
-    fn rebuild_frame(&mut self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> u32 {
-        let RestoredPoint { parent, child, .. } = spot;
-        let seed = self.restored_seed(spot, restored);
+    fn rebuild_frame(&mut self, point: RestoredPoint, restored: &ActiveStateData<D>) -> u32 {
+        let RestoredPoint { parent, child, .. } = point;
+        let seed = self.restored_seed(point, restored);
         let (path, id) = (seed.path, seed.node);
         let entered =
             Event::Entered { path, node: id, inputs: Arc::clone(&seed.inputs), undoes: None };
@@ -110,8 +110,8 @@ impl<'s, D: Datum> Step<'s, D> {
         slot
     }
 
-    fn restored_seed(&mut self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> Seed<D> {
-        let RestoredPoint { parent, child, .. } = spot;
+    fn restored_seed(&mut self, point: RestoredPoint, restored: &ActiveStateData<D>) -> Seed<D> {
+        let RestoredPoint { parent, child, .. } = point;
         let id = self.view().node_of_child(parent, child);
         let node = self.program.node(id);
         let path = if parent == NONE { PathId(0) } else { self.child_path(parent, child) };
@@ -123,7 +123,7 @@ impl<'s, D: Datum> Step<'s, D> {
             path,
             branch: self.restored_branch(parent, child),
             parent,
-            preempted: self.view().was_asked_to_end(spot, restored),
+            preempted: self.view().was_asked_to_end(point, restored),
             start_depth: None,
             inputs,
             outputs: self.view().output_defaults(parent, node),
@@ -323,15 +323,15 @@ impl<'s, D: Datum> Step<'s, D> {
         for child in all_but_decider(kind, inside) {
             let children = self.run.frames.get(slot).children.side_by_side();
             let has_ended = children.is_some_and(|children| children.ended(child).is_some());
-            let spot = StopPoint::after(slot, child);
-            if !has_ended || self.view().loss_at(spot).is_none() {
+            let stop_point = StopPoint::after(slot, child);
+            if !has_ended || self.view().loss_at(stop_point).is_none() {
                 continue;
             }
             let branch = self.fork(slot);
             if let Some(children) = self.run.frames.get_mut(slot).children.side_by_side_mut() {
                 children.open += 1;
             }
-            if self.passes_again(spot, branch) {
+            if self.passes_again(stop_point, branch) {
                 self.branch_done(slot, child, branch);
             }
         }
@@ -359,12 +359,12 @@ impl<D: Datum> View<'_, '_, D> {
 
     /// True if a request to end applies. It reaches states entered before it, and states that begin inside a state that
     /// was asked to end. It does not reach a state that a hierarchy enters later, because that is a handler.
-    fn was_asked_to_end(&self, spot: RestoredPoint, restored: &ActiveStateData<D>) -> bool {
-        let asked = restored.preempted.unwrap_or(restored.order < spot.request);
-        if asked || spot.parent == NONE || self.is_hierarchy(spot.parent) {
+    fn was_asked_to_end(&self, point: RestoredPoint, restored: &ActiveStateData<D>) -> bool {
+        let asked = restored.preempted.unwrap_or(restored.order < point.request);
+        if asked || point.parent == NONE || self.is_hierarchy(point.parent) {
             return asked;
         }
-        self.run.frames.get(spot.parent).begins_no_branch()
+        self.run.frames.get(point.parent).begins_no_branch()
     }
 
     /// Collects the writes of a child's outputs. Scoped variables are restored from their own values instead.

@@ -53,13 +53,9 @@ impl Breakpoints {
     }
 
     /// The enabled breakpoints at `when` whose path the predicate accepts, by falling id.
-    pub(in crate::engine) fn at(
-        &self,
-        when: When,
-        stands: impl Fn(&StatePath) -> bool,
-    ) -> Vec<u64> {
+    pub(in crate::engine) fn at(&self, when: When, is_at: impl Fn(&StatePath) -> bool) -> Vec<u64> {
         let all = self.all.iter().rev().map(|entry| &entry.breakpoint);
-        let here = all.filter(|b| b.enabled && b.when == when && stands(&b.path));
+        let here = all.filter(|b| b.enabled && b.when == when && is_at(&b.path));
         here.map(|breakpoint| breakpoint.id).collect()
     }
 

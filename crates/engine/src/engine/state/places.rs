@@ -63,7 +63,7 @@ impl Places {
         let first = length(&self.lists);
         let node = program.node(self.all[path.index()].node);
         for child in (0..node.children()).filter_map(|index| node.child(index)) {
-            let place = self.stand(path, child, program);
+            let place = self.assign(path, child, program);
             self.lists.push(place);
         }
         self.all[path.index()].children = Some(first);
@@ -71,7 +71,7 @@ impl Places {
     }
 
     /// The place of a state below `parent`: that of a former state with its id, otherwise a new one.
-    fn stand<D>(&mut self, parent: PathId, node: NodeId, program: &Program<D>) -> PathId {
+    fn assign<D>(&mut self, parent: PathId, node: NodeId, program: &Program<D>) -> PathId {
         if !self.former.is_empty() {
             let key = (parent, program.node(node).id().clone());
             if let Some(path) = self.former.remove(&key) {
@@ -93,7 +93,7 @@ impl Places {
         self.all.iter_mut().for_each(|place| place.children = None);
         // A place has a higher number than the place around it.
         for (path, _) in (0..).map(PathId).zip(had_children).filter(|(_, had)| *had) {
-            if self.stands(path, program) {
+            if self.is_assigned(path, program) {
                 self.number_children(path, program);
             }
         }
@@ -105,7 +105,7 @@ impl Places {
     }
 
     /// True if a state of the program has this place.
-    fn stands<D>(&self, path: PathId, program: &Program<D>) -> bool {
+    fn is_assigned<D>(&self, path: PathId, program: &Program<D>) -> bool {
         self.key(path, program).is_none_or(|key| self.former.get(&key) != Some(&path))
     }
 

@@ -71,7 +71,7 @@ impl<D: Datum> Engine<D> {
 
     /// The hold of the run before its root begins, or after it ended.
     pub fn held_outside(&self) -> Option<HeldBy> {
-        let outside = self.run.control.holds.iter().find(|hold| hold.spot.is_root());
+        let outside = self.run.control.holds.iter().find(|hold| hold.stop_point.is_root());
         outside.and_then(crate::engine::state::suspended::SuspendedBranch::by)
     }
 
@@ -89,7 +89,7 @@ impl<D: Datum> Engine<D> {
     }
 
     fn holds(&self, slot: u32) -> Vec<Hold> {
-        let holds = self.run.control.holds.iter().filter(|hold| hold.spot.parent == slot);
+        let holds = self.run.control.holds.iter().filter(|hold| hold.stop_point.parent == slot);
         let hold = |hold: &crate::engine::state::suspended::SuspendedBranch<D>| match hold.why {
             SuspendReason::Held { by, next } => Some(Hold { by, next }),
             SuspendReason::Checking { .. } => None,

@@ -113,9 +113,9 @@ impl<'s, D: Datum> View<'s, '_, D> {
     /// one call. A release removes the hold first.
     fn is_held_anew(&self, slot: u32) -> bool {
         let frame = self.run.frames.get(slot);
-        let mut holds = self.run.control.holds.iter().map(|hold| hold.spot);
+        let mut holds = self.run.control.holds.iter().map(|hold| hold.stop_point);
         matches!(frame.phase, Phase::Held | Phase::Checking)
-            && holds.any(|spot| spot.parent == slot && !self.is_branch(spot))
+            && holds.any(|stop_point| stop_point.parent == slot && !self.is_branch(stop_point))
     }
 }
 

@@ -46,7 +46,7 @@ pub(in crate::engine) struct LeftState<D> {
 /// The evaluation of a stop point's breakpoints, while it is in progress.
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct BreakpointScan<D> {
-    pub(in crate::engine) spot: StopPoint,
+    pub(in crate::engine) stop_point: StopPoint,
     pub(in crate::engine) branch: BranchId,
     /// True if a pause and steps also hold here.
     pub(in crate::engine) modes: bool,
@@ -70,14 +70,14 @@ pub(in crate::engine) enum SuspendReason<D> {
     Checking {
         check: u64,
         breakpoint: u64,
-        inquiry: Box<BreakpointScan<D>>,
+        scan: Box<BreakpointScan<D>>,
     },
 }
 
 #[derive(Debug, Clone)]
 pub(in crate::engine) struct SuspendedBranch<D> {
     pub(in crate::engine) id: u64,
-    pub(in crate::engine) spot: StopPoint,
+    pub(in crate::engine) stop_point: StopPoint,
     pub(in crate::engine) branch: BranchId,
     pub(in crate::engine) why: SuspendReason<D>,
 }
@@ -167,12 +167,12 @@ impl<D: Datum> Control<D> {
 
     pub(in crate::engine) fn put(
         &mut self,
-        spot: StopPoint,
+        stop_point: StopPoint,
         branch: BranchId,
         why: SuspendReason<D>,
     ) {
         self.next_hold += 1;
-        self.holds.push(SuspendedBranch { id: self.next_hold, spot, branch, why });
+        self.holds.push(SuspendedBranch { id: self.next_hold, stop_point, branch, why });
     }
 
     /// The number of the newest hold.
@@ -199,9 +199,9 @@ impl<D: Datum> Control<D> {
     /// Removes and returns all holds in a frame, in the order of children.
     pub(in crate::engine) fn take_in(&mut self, parent: u32) -> Vec<SuspendedBranch<D>> {
         let mut taken = Vec::new();
-        if self.holds.iter().any(|hold| hold.spot.parent == parent) {
-            taken = self.holds.extract_if(.., |hold| hold.spot.parent == parent).collect();
-            taken.sort_by_key(|hold| hold.spot.child);
+        if self.holds.iter().any(|hold| hold.stop_point.parent == parent) {
+            taken = self.holds.extract_if(.., |hold| hold.stop_point.parent == parent).collect();
+            taken.sort_by_key(|hold| hold.stop_point.child);
         }
         taken
     }

@@ -54,10 +54,10 @@ impl<'s, D: Datum> Step<'s, D> {
         pass: Option<u32>,
     ) -> bool {
         let branch = self.run.frames.get(slot).branch;
-        let spot = StopPoint::before(slot, child);
+        let stop_point = StopPoint::before(slot, child);
         match pass {
-            None => self.passes(spot, branch),
-            Some(passed) => passed == child || self.passes_breakpoints(spot, branch),
+            None => self.passes(stop_point, branch),
+            Some(passed) => passed == child || self.passes_breakpoints(stop_point, branch),
         }
     }
 

@@ -161,8 +161,10 @@ impl<D: Datum> Step<'_, D> {
     /// Drops all active states, parents before children, and ends their branches.
     pub(in crate::engine) fn drop_all(&mut self) {
         let frames = self.view().active();
-        for SuspendedBranch { spot, branch, .. } in std::mem::take(&mut self.run.control.holds) {
-            if self.view().is_branch(spot) {
+        for SuspendedBranch { stop_point, branch, .. } in
+            std::mem::take(&mut self.run.control.holds)
+        {
+            if self.view().is_branch(stop_point) {
                 self.run.branches.end(branch);
                 self.out.effects.push(Effect::EndBranch { branch });
             }
