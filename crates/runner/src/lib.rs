@@ -15,12 +15,12 @@ mod drive {
     pub(crate) mod ending;
     pub(crate) mod error;
     pub(crate) mod ground;
-    pub(crate) mod inquiry;
     pub(crate) mod notes;
     pub(crate) mod past;
     pub(crate) mod points;
     pub(crate) mod prepare;
     pub(crate) mod pulse;
+    pub(crate) mod queries;
     pub(crate) mod questions;
     pub(crate) mod record_events;
     pub(crate) mod roots;

@@ -27,7 +27,7 @@ pub(crate) struct Core<D> {
     pub(crate) generation: u32,
     /// The places of `known`, for threads that do not hold the engine.
     places: Arc<Places>,
-    pub(crate) crew: WorkerPool<D>,
+    pub(crate) worker_pool: WorkerPool<D>,
     pub(crate) threads: Vec<JoinHandle<()>>,
     /// True after the engine has panicked.
     pub(crate) is_broken: bool,
@@ -75,7 +75,7 @@ impl<D: Datum> Core<D> {
             numbering: Numbering::default(),
             generation: 1,
             places,
-            crew: WorkerPool::new(active),
+            worker_pool: WorkerPool::new(active),
             threads: Vec::new(),
             is_broken: false,
             flags: 0,
@@ -154,19 +154,19 @@ impl<D: Datum> Core<D> {
 
     pub(crate) fn dispatch(&mut self, begun: BranchTask<D>, turn: &mut InputOutcome<D>) {
         if turn.own == Some(begun.branch()) {
-            self.crew.go_on(&begun);
+            self.worker_pool.go_on(&begun);
             turn.next = Some(begun);
         } else {
-            self.crew.post(begun);
+            self.worker_pool.post(begun);
         }
     }
 
     pub(crate) fn end_branch(&mut self, branch: BranchId, turn: &mut InputOutcome<D>) {
-        let worker = self.crew.end(branch);
+        let worker = self.worker_pool.end(branch);
         if turn.own == Some(branch) {
             turn.freed = worker;
         } else if let Some(waiting) = worker {
-            self.crew.retire(waiting);
+            self.worker_pool.retire(waiting);
         }
     }
 
@@ -174,9 +174,9 @@ impl<D: Datum> Core<D> {
     pub(crate) fn settle(&mut self, turn: InputOutcome<D>) -> Next<D> {
         match (turn.next, turn.freed, turn.own) {
             (Some(next), _, _) => Some(next),
-            (None, Some(freed), _) => self.crew.take(freed),
+            (None, Some(freed), _) => self.worker_pool.take(freed),
             (None, None, Some(branch)) => {
-                self.crew.rest(branch);
+                self.worker_pool.rest(branch);
                 None
             }
             (None, None, None) => None,

@@ -198,7 +198,7 @@ impl<S: Scripts> Driver<S> {
         let mut threads = Vec::new();
         self.scripts.park(&mut || {
             let mut core = self.core.lock();
-            core.crew.dismiss();
+            core.worker_pool.dismiss();
             threads = std::mem::take(&mut core.threads);
             drop(core);
             for thread in threads.drain(..) {
@@ -339,11 +339,11 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn recruit(self: &Arc<Self>, core: &mut Core<S::Value>) {
-        while core.crew.needs_thread() {
+        while core.worker_pool.needs_thread() {
             match branch::start(self, core.threads.len()) {
                 Ok(thread) => {
                     core.threads.push(thread);
-                    core.crew.sent();
+                    core.worker_pool.sent();
                 }
                 Err(error) => self.give_up(core, &error),
             }
@@ -351,7 +351,7 @@ impl<S: Scripts> Driver<S> {
     }
 
     fn give_up(&self, core: &mut Core<S::Value>, error: &std::io::Error) {
-        let Some(turn) = core.crew.give_up() else { return };
+        let Some(turn) = core.worker_pool.give_up() else { return };
         let reason = format!(
             "the system gave no thread for this branch ({error}); let fewer states run side by side"
         );
@@ -368,8 +368,8 @@ impl<S: Scripts> Driver<S> {
     /// The next branch without a thread, for a thread that was sent for it. Without such a branch, the thread is idle.
     pub(crate) fn seek(self: &Arc<Self>, worker: &Arc<Worker<S::Value>>) -> Next<S::Value> {
         let seek = |core: &mut Core<S::Value>| {
-            core.crew.arrive();
-            let turn = core.crew.take(Arc::clone(worker));
+            core.worker_pool.arrive();
+            let turn = core.worker_pool.take(Arc::clone(worker));
             self.staff(core);
             turn
         };

@@ -38,20 +38,20 @@ impl<D> WorkerPool<D> {
     }
 
     /// Queues a task for another thread than the current one.
-    pub(crate) fn post(&mut self, turn: BranchTask<D>) {
-        match self.owners.get(&turn.branch()) {
+    pub(crate) fn post(&mut self, task: BranchTask<D>) {
+        match self.owners.get(&task.branch()) {
             Some(owner) => {
-                self.active.begin(owner.slot, &turn.place);
-                owner.mailbox.post(BranchMessage::Run(turn));
+                self.active.begin(owner.slot, &task.place);
+                owner.mailbox.post(BranchMessage::Run(task));
             }
-            None => self.ready.push_back(turn),
+            None => self.ready.push_back(task),
         }
     }
 
     /// Marks the next script of this branch as active on the branch's own thread.
-    pub(crate) fn go_on(&mut self, turn: &BranchTask<D>) {
-        if let Some(owner) = self.owners.get(&turn.branch()) {
-            self.active.begin(owner.slot, &turn.place);
+    pub(crate) fn go_on(&mut self, task: &BranchTask<D>) {
+        if let Some(owner) = self.owners.get(&task.branch()) {
+            self.active.begin(owner.slot, &task.place);
         }
     }
 
@@ -71,13 +71,13 @@ impl<D> WorkerPool<D> {
 
     /// Gives a free thread the next queued task. Without one, the thread becomes idle.
     pub(crate) fn take(&mut self, worker: Arc<Worker<D>>) -> Option<BranchTask<D>> {
-        let Some(turn) = self.ready.pop_front() else {
+        let Some(task) = self.ready.pop_front() else {
             self.retire(worker);
             return None;
         };
-        self.active.begin(worker.slot, &turn.place);
-        self.owners.insert(turn.branch(), worker);
-        Some(turn)
+        self.active.begin(worker.slot, &task.place);
+        self.owners.insert(task.branch(), worker);
+        Some(task)
     }
 
     /// Makes a waiting thread idle, or ends it if the pool is dismissed.
@@ -140,14 +140,14 @@ mod tests {
 
     #[test]
     fn a_thread_that_comes_after_the_end_ends_too() {
-        let mut crew = WorkerPool::<Value>::new(Active::default());
+        let mut pool = WorkerPool::<Value>::new(Active::default());
         let [early, late] =
             [0, 1].map(|slot| Arc::new(Worker { slot, mailbox: Mailbox::default() }));
-        assert!(crew.take(Arc::clone(&early)).is_none());
-        crew.sent();
-        crew.dismiss();
-        crew.arrive();
-        assert!(crew.take(Arc::clone(&late)).is_none());
+        assert!(pool.take(Arc::clone(&early)).is_none());
+        pool.sent();
+        pool.dismiss();
+        pool.arrive();
+        assert!(pool.take(Arc::clone(&late)).is_none());
         for worker in [early, late] {
             assert!(matches!(worker.mailbox.wait(), BranchMessage::End));
         }

@@ -165,17 +165,17 @@ struct Begun<S: Scripts> {
 impl<S: Scripts> Begun<S> {
     fn run(self, line: Line, launch: &Launch) -> Result<(), ServeError> {
         let Self { driver, loaded, from, answers, signals: (signals, handle), door, closer } = self;
-        let company = ViewerSet::new(Arc::clone(&driver), loaded, answers);
-        let (driver, company) = (&driver, &company);
+        let viewers = ViewerSet::new(Arc::clone(&driver), loaded, answers);
+        let (driver, viewers) = (&driver, &viewers);
         thread::scope(|scope| {
             let watch = Watch { line, join: first(launch, from), signals, door };
-            let started = watch.begin(scope, driver, company);
+            let started = watch.begin(scope, driver, viewers);
             let end = match &started {
                 Ok(()) => conclude(driver),
                 Err(error) => abandon(driver, error),
             };
             drop(closer);
-            company.part(|| {
+            viewers.part(|| {
                 if end.is_continue() {
                     handle.close();
                     driver.scripts().released();
@@ -203,16 +203,16 @@ impl Watch {
         self,
         scope: &'scope Scope<'scope, '_>,
         driver: &'scope Arc<Driver<S>>,
-        company: &'scope ViewerSet<S>,
+        viewers: &'scope ViewerSet<S>,
     ) -> io::Result<()> {
         let Self { line, join, signals, door } = self;
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
         committer::start(scope, driver)?;
-        company.welcome(scope, line, join)?;
+        viewers.welcome(scope, line, join)?;
         named("signals").spawn_scoped(scope, || stop_at_signals(driver, signals))?;
         named("timers").spawn_scoped(scope, || due::serve(driver))?;
         if let Some(door) = door {
-            named("door").spawn_scoped(scope, || door.serve(scope, company))?;
+            named("door").spawn_scoped(scope, || door.serve(scope, viewers))?;
         }
         Ok(())
     }

@@ -65,7 +65,7 @@ impl<'r, S: Scripts> ValueRestorer<'r, S> {
     }
 
     /// Restores global variables and persistent values of states.
-    pub(crate) fn surroundings(&mut self, moment: &Moment) -> RestoreContext<S::Value> {
+    pub(crate) fn restore_context(&mut self, moment: &Moment) -> RestoreContext<S::Value> {
         let mut problems = Vec::new();
         let mut made = |kept: &Kept, what: String| match self.make(kept) {
             Ok(value) => Some(value),

@@ -354,7 +354,7 @@ impl<S: Scripts> Driver<S> {
         let machine = self.machine();
         let mut reviver = ValueRestorer::new(self.scripts(), reader, &machine);
         let root = reviver.root(moment);
-        let around = reviver.surroundings(moment);
+        let around = reviver.restore_context(moment);
         self.note_lost_values(reviver.note_lost_values());
         (root, around)
     }

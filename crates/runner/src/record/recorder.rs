@@ -38,7 +38,7 @@ pub(crate) struct Recorder {
     /// The folder of the journal, if the run has one.
     folder: Option<PathBuf>,
     safety: Safety,
-    ink: Mutex<RecorderInner>,
+    inner: Mutex<RecorderInner>,
     ring: Mutex<Ring>,
     grown: Condvar,
 }
@@ -86,7 +86,10 @@ impl Recorder {
             keeping: Keeping::Off,
             folder: None,
             safety: Safety::default(),
-            ink: Mutex::new(RecorderInner { writer: RecordEncoder::after(0, 0, 0), journal: None }),
+            inner: Mutex::new(RecorderInner {
+                writer: RecordEncoder::after(0, 0, 0),
+                journal: None,
+            }),
             ring: Mutex::new(Ring::new(1, limit, u64::MAX)),
             grown: Condvar::new(),
         }
@@ -112,7 +115,7 @@ impl Recorder {
             keeping,
             folder: Some(journal.folder().to_owned()),
             safety: Safety::new(last, strict),
-            ink: Mutex::new(RecorderInner { writer, journal: Some(Arc::new(journal)) }),
+            inner: Mutex::new(RecorderInner { writer, journal: Some(Arc::new(journal)) }),
             ring: Mutex::new(Ring::new(last + 1, MEMORY_BYTES_WITH_JOURNAL, last + 1)),
             grown: Condvar::new(),
         }
@@ -145,12 +148,12 @@ impl Recorder {
 
     /// The journal of the record, until it is closed.
     pub(crate) fn journal(&self) -> Option<Arc<Journal>> {
-        self.ink.lock().journal.clone()
+        self.inner.lock().journal.clone()
     }
 
     /// Begins a group of records of one moment. They are added when the writer is dropped.
     pub(crate) fn write(&self) -> RecordWriter<'_> {
-        RecordWriter { recorder: self, ink: self.ink.lock() }
+        RecordWriter { recorder: self, inner: self.inner.lock() }
     }
 
     /// Adds records of one moment.
@@ -159,17 +162,17 @@ impl Recorder {
         records.into_iter().for_each(|record| writer.note(t_ns, &record));
     }
 
-    fn finish(&self, ink: &mut RecorderInner) {
-        self.keep(ink);
-        self.change(|ring| ring.blocks.push(ink.writer.encoded()));
-        ink.writer.clear();
+    fn finish(&self, inner: &mut RecorderInner) {
+        self.keep(inner);
+        self.change(|ring| ring.blocks.push(inner.writer.encoded()));
+        inner.writer.clear();
     }
 
     /// Appends the batch to the journal. It waits for room if necessary; the committer needs nothing that the writer
     /// holds.
-    fn keep(&self, ink: &mut RecorderInner) {
-        let Some(journal) = &ink.journal else { return };
-        let batch = ink.writer.batch();
+    fn keep(&self, inner: &mut RecorderInner) {
+        let Some(journal) = &inner.journal else { return };
+        let batch = inner.writer.batch();
         let mut was_refused = false;
         let written = loop {
             let goes_on = match journal.append(batch) {
@@ -189,7 +192,7 @@ impl Recorder {
         }
         match written {
             Some(last) => self.safety.wrote(last, batch.bytes()),
-            None => ink.journal = None,
+            None => inner.journal = None,
         }
     }
 
@@ -217,7 +220,7 @@ impl Recorder {
 
     /// Ends writing to the journal.
     pub(crate) fn leave_journal(&self) {
-        self.ink.lock().journal = None;
+        self.inner.lock().journal = None;
     }
 
     /// Marks the record as closed; all its records may be sent.
@@ -303,7 +306,7 @@ impl Recorder {
 #[derive(Debug)]
 pub(crate) struct RecordWriter<'r> {
     recorder: &'r Recorder,
-    ink: MutexGuard<'r, RecorderInner>,
+    inner: MutexGuard<'r, RecorderInner>,
 }
 
 impl RecordWriter<'_> {
@@ -324,8 +327,8 @@ impl RecordWriter<'_> {
 
     /// Defines a place from the next record on.
     pub(crate) fn define(&mut self, number: PlaceNumber, place: Arc<Place>) {
-        self.ink.writer.define(number, &place);
-        self.recorder.names.define(self.ink.writer.next(), number, place);
+        self.inner.writer.define(number, &place);
+        self.recorder.names.define(self.inner.writer.next(), number, place);
     }
 }
 
@@ -333,18 +336,18 @@ impl Deref for RecordWriter<'_> {
     type Target = RecordEncoder;
 
     fn deref(&self) -> &RecordEncoder {
-        &self.ink.writer
+        &self.inner.writer
     }
 }
 
 impl DerefMut for RecordWriter<'_> {
     fn deref_mut(&mut self) -> &mut RecordEncoder {
-        &mut self.ink.writer
+        &mut self.inner.writer
     }
 }
 
 impl Drop for RecordWriter<'_> {
     fn drop(&mut self) {
-        self.recorder.finish(&mut self.ink);
+        self.recorder.finish(&mut self.inner);
     }
 }

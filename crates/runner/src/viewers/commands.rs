@@ -3,7 +3,7 @@
 
 use crate::Scripts;
 use crate::drive::driver::Driver;
-use crate::drive::inquiry;
+use crate::drive::queries;
 use crate::record::tell;
 use crate::viewers::connection::{IncomingLine, Sender};
 use rafcon_locks::{Condvar, Mutex};
@@ -68,7 +68,7 @@ impl<S: Scripts> CommandDispatcher<S> {
                 sender.send(&ToViewer::Answer { id, answer });
             }
             Ok(ToRunner::Inspect { id, path }) => {
-                let data = inquiry::state_data(&self.driver, &path);
+                let data = queries::state_data(&self.driver, &path);
                 sender.send(&ToViewer::Inspection { id, path, data });
             }
             Ok(ToRunner::Ground { heard_ms_ago }) => self.driver.ground_heard(heard_ms_ago),

@@ -57,7 +57,7 @@ impl ViewerListener {
     pub(crate) fn serve<'scope, S: Scripts>(
         self,
         scope: &'scope Scope<'scope, '_>,
-        company: &'scope ViewerSet<S>,
+        viewers: &'scope ViewerSet<S>,
     ) {
         while self.is_knocked_at() {
             let Ok((stream, _)) = self.listener.0.accept() else {
@@ -65,13 +65,13 @@ impl ViewerListener {
                 continue;
             };
             let socket = Socket::new(stream);
-            if !company.arrive(&socket) {
+            if !viewers.arrive(&socket) {
                 continue;
             }
             let talk = move || {
                 // The connection ends if the hello or the join fails.
-                drop(welcome(scope, company, &socket));
-                company.arrived(&socket);
+                drop(welcome(scope, viewers, &socket));
+                viewers.arrived(&socket);
             };
             // The connection ends if the system has no thread for it.
             drop(thread::Builder::new().name("joining".to_owned()).spawn_scoped(scope, talk));
@@ -107,14 +107,14 @@ impl Drop for ViewerListener {
 
 fn welcome<'scope, S: Scripts>(
     scope: &'scope Scope<'scope, '_>,
-    company: &'scope ViewerSet<S>,
+    viewers: &'scope ViewerSet<S>,
     socket: &Socket,
 ) -> Result<(), TalkError> {
     socket.wait_at_most(Some(HELLO_AT_MOST))?;
     let mut line = connection::open(socket.clone())?;
     let ToRunner::Join(join) = line.receiver.message()? else { return Err(TalkError::NoJoin) };
     socket.wait_at_most(None)?;
-    company.welcome(scope, line, join)?;
+    viewers.welcome(scope, line, join)?;
     Ok(())
 }
 

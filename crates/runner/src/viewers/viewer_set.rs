@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Timeout for viewers that do not read, after the run is over. Then the process ends.
 const DRAIN_TIMEOUT: Duration = Duration::from_secs(10);
 /// Limit of the connected viewers.
-pub(crate) const GUESTS_MAX: usize = 64;
+pub(crate) const VIEWERS_MAX: usize = 64;
 
 /// A viewer that was not admitted.
 #[derive(Debug, thiserror::Error)]
@@ -26,7 +26,7 @@ enum AdmitError {
     /// The run has no more events to show.
     #[error("the run is over; its journal tells how it went")]
     RunOver,
-    #[error("{GUESTS_MAX} viewers are connected; let one of them leave")]
+    #[error("{VIEWERS_MAX} viewers are connected; let one of them leave")]
     Full,
 }
 
@@ -34,7 +34,7 @@ enum AdmitError {
 #[derive(Debug)]
 pub(crate) struct ViewerSet<S: Scripts> {
     driver: Arc<Driver<S>>,
-    desk: CommandDispatcher<S>,
+    dispatcher: CommandDispatcher<S>,
     /// The first message to each viewer.
     loaded: ToViewer,
     present: Mutex<Present>,
@@ -46,7 +46,7 @@ pub(crate) struct ViewerSet<S: Scripts> {
 
 #[derive(Debug, Default)]
 struct Present {
-    guests: Vec<Arc<ViewerConnection>>,
+    connections: Vec<Arc<ViewerConnection>>,
     /// Connections without a hello.
     arriving: Vec<Socket>,
     /// True if the run is over, so that no viewer is admitted.
@@ -61,21 +61,21 @@ struct ViewerConnection {
     /// Locked from a command to its answer.
     answering: Mutex<()>,
     /// True once everything was sent. Written with the list locked.
-    told: Mutex<bool>,
+    is_drained: Mutex<bool>,
 }
 
 impl<S: Scripts> ViewerSet<S> {
     /// A set without viewers, with the commands that earlier runners have answered.
     pub(crate) fn new(driver: Arc<Driver<S>>, loaded: ToViewer, answers: Answers) -> Self {
-        let desk = CommandDispatcher::new(Arc::clone(&driver), answers);
+        let dispatcher = CommandDispatcher::new(Arc::clone(&driver), answers);
         let (present, noting) = (Mutex::default(), Mutex::new(()));
-        Self { driver, desk, loaded, present, noting, changed: Condvar::new() }
+        Self { driver, dispatcher, loaded, present, noting, changed: Condvar::new() }
     }
 
     /// Notes a new connection; false if no more are accepted.
     pub(crate) fn arrive(&self, socket: &Socket) -> bool {
         let mut present = self.present.lock();
-        let room = !present.closed && present.arriving.len() < GUESTS_MAX;
+        let room = !present.closed && present.arriving.len() < VIEWERS_MAX;
         if room {
             present.arriving.push(socket.clone());
         }
@@ -95,17 +95,21 @@ impl<S: Scripts> ViewerSet<S> {
         join: Join,
     ) -> io::Result<()> {
         let Line { sender, receiver, socket } = line;
-        let guest =
-            ViewerConnection { sender, socket, answering: Mutex::new(()), told: Mutex::new(false) };
-        let guest = Arc::new(guest);
-        if let Err(refused) = self.admit(&guest) {
-            guest.sender.send(&ToViewer::LoadFailed { reason: refused.to_string() });
+        let connection = ViewerConnection {
+            sender,
+            socket,
+            answering: Mutex::new(()),
+            is_drained: Mutex::new(false),
+        };
+        let connection = Arc::new(connection);
+        if let Err(refused) = self.admit(&connection) {
+            connection.sender.send(&ToViewer::LoadFailed { reason: refused.to_string() });
             return Ok(());
         }
-        let seated = self.seat(scope, &guest, receiver, join);
+        let seated = self.seat(scope, &connection, receiver, join);
         if seated.is_err() {
-            guest.socket.shut();
-            self.leave(&guest);
+            connection.socket.shut();
+            self.leave(&connection);
         }
         seated
     }
@@ -114,32 +118,32 @@ impl<S: Scripts> ViewerSet<S> {
     fn seat<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
-        guest: &Arc<ViewerConnection>,
+        connection: &Arc<ViewerConnection>,
         receiver: Receiver,
         join: Join,
     ) -> io::Result<()> {
         let named = |name: &str| thread::Builder::new().name(name.to_owned());
-        let [heard, heeded, told] = [(); 3].map(|()| Arc::clone(guest));
+        let [receiving, handling, sending] = [(); 3].map(|()| Arc::clone(connection));
         let (rest, words) = viewer::way();
-        named("commands").spawn_scoped(scope, move || self.heed(&heeded, &words))?;
+        named("commands").spawn_scoped(scope, move || self.handle_commands(&handling, &words))?;
         let hear = move || {
-            viewer::hear(receiver, &heard.sender, &rest, || self.driver.engine_pulse());
+            viewer::hear(receiver, &receiving.sender, &rest, || self.driver.engine_pulse());
         };
         named("hearing").spawn_scoped(scope, hear)?;
-        named("viewer").spawn_scoped(scope, move || self.tell(&told, &join))?;
+        named("viewer").spawn_scoped(scope, move || self.send_events(&sending, &join))?;
         Ok(())
     }
 
-    fn admit(&self, guest: &Arc<ViewerConnection>) -> Result<(), AdmitError> {
+    fn admit(&self, connection: &Arc<ViewerConnection>) -> Result<(), AdmitError> {
         let mut present = self.present.lock();
         if present.closed {
             return Err(AdmitError::RunOver);
         }
-        if present.guests.len() >= GUESTS_MAX {
+        if present.connections.len() >= VIEWERS_MAX {
             return Err(AdmitError::Full);
         }
-        present.guests.push(Arc::clone(guest));
-        let first = present.guests.len() == 1;
+        present.connections.push(Arc::clone(connection));
+        let first = present.connections.len() == 1;
         drop(present);
         if first {
             self.attended();
@@ -148,17 +152,21 @@ impl<S: Scripts> ViewerSet<S> {
     }
 
     /// Handles commands until the viewer disconnects. The run continues without it.
-    fn heed(&self, guest: &Arc<ViewerConnection>, words: &mpsc::Receiver<IncomingLine>) {
-        self.desk.serve(words, &guest.sender, &guest.answering);
-        guest.sender.lose();
-        self.leave(guest);
+    fn handle_commands(
+        &self,
+        connection: &Arc<ViewerConnection>,
+        words: &mpsc::Receiver<IncomingLine>,
+    ) {
+        self.dispatcher.serve(words, &connection.sender, &connection.answering);
+        connection.sender.lose();
+        self.leave(connection);
     }
 
     /// Removes a disconnected viewer.
-    fn leave(&self, guest: &Arc<ViewerConnection>) {
+    fn leave(&self, connection: &Arc<ViewerConnection>) {
         let mut present = self.present.lock();
-        present.guests.retain(|other| !Arc::ptr_eq(other, guest));
-        let last = present.guests.is_empty() && !present.closed;
+        present.connections.retain(|other| !Arc::ptr_eq(other, connection));
+        let last = present.connections.is_empty() && !present.closed;
         self.changed.notify_all();
         drop(present);
         if last {
@@ -166,29 +174,29 @@ impl<S: Scripts> ViewerSet<S> {
         }
     }
 
-    fn tell(&self, guest: &ViewerConnection, join: &Join) {
-        guest.sender.send(&self.loaded);
-        Viewer::new(&self.driver, &guest.sender, join).follow();
+    fn send_events(&self, connection: &ViewerConnection, join: &Join) {
+        connection.sender.send(&self.loaded);
+        Viewer::new(&self.driver, &connection.sender, join).follow();
         let _list = self.present.lock();
-        *guest.told.lock() = true;
+        *connection.is_drained.lock() = true;
         self.changed.notify_all();
     }
 
     /// Reports to the engine whether viewers are connected. Reports are serialized, so that the last one is correct.
     fn attended(&self) {
         let _turn = self.noting.lock();
-        let anybody = !self.present.lock().guests.is_empty();
+        let anybody = !self.present.lock().connections.is_empty();
         // Refused when the run is over or has not begun, and then it does not matter.
         drop(self.driver.command(Input::Attended(anybody)));
     }
 
     /// Waits, with a timeout, until all viewers have received everything. Then runs the callback and closes all
     /// connections. So the callback has run before a viewer sees the end of its connection.
-    pub(crate) fn part(&self, told: impl FnOnce()) {
+    pub(crate) fn part(&self, before_closing: impl FnOnce()) {
         let deadline = Clock::moment(DRAIN_TIMEOUT);
         let mut present = self.present.lock();
         present.closed = true;
-        while present.guests.iter().any(|guest| !*guest.told.lock()) {
+        while present.connections.iter().any(|connection| !*connection.is_drained.lock()) {
             let in_time = deadline.is_some_and(|deadline| {
                 !self.changed.wait_until(&mut present, deadline).timed_out()
             });
@@ -196,14 +204,14 @@ impl<S: Scripts> ViewerSet<S> {
                 break;
             }
         }
-        let guests = present.guests.clone();
+        let connections = present.connections.clone();
         present.arriving.iter().for_each(Socket::shut);
         drop(present);
-        told();
-        for guest in guests {
+        before_closing();
+        for connection in connections {
             // A command that ended the run is answered like any other.
-            drop(deadline.and_then(|deadline| guest.answering.try_lock_until(deadline)));
-            guest.socket.shut();
+            drop(deadline.and_then(|deadline| connection.answering.try_lock_until(deadline)));
+            connection.socket.shut();
         }
     }
 }
