@@ -40,14 +40,17 @@ fn transitions_at(machine: &Machine, path: &StatePath, state: &State, id: Outcom
         let inner = container.transitions.into_outcome(&state.id, id);
         steps.extend(inner.map(|t| Step::new(path, Set::Transition(t.id, None))));
     }
-    if let Some((parent, container)) = surroundings(machine, path) {
+    if let Some((parent, container)) = parent_container(machine, path) {
         let outer = container.transitions.from(&Origin::Outcome(state.id.clone(), id));
         steps.extend(outer.map(|t| Step::new(&parent, Set::Transition(t.id, None))));
     }
     steps
 }
 
-fn surroundings<'m>(machine: &'m Machine, path: &StatePath) -> Option<(StatePath, &'m Container)> {
+fn parent_container<'m>(
+    machine: &'m Machine,
+    path: &StatePath,
+) -> Option<(StatePath, &'m Container)> {
     let parent = path.parent()?;
     let container = machine.state(&parent)?.container()?;
     Some((parent, container))
@@ -101,7 +104,7 @@ fn flows_at(
         flows.map(|flow| Step::new(at, Set::DataFlow(flow.id, None))).collect()
     };
     let mut steps = state.container().map_or_else(Vec::new, |inside| remove(path, inside));
-    let outside = surroundings(machine, path).filter(|_| kind != PortKind::ScopedVariable);
+    let outside = parent_container(machine, path).filter(|_| kind != PortKind::ScopedVariable);
     if let Some((parent, container)) = outside {
         steps.extend(remove(&parent, container));
     }

@@ -43,7 +43,7 @@ pub(crate) struct Planner<'p> {
 
 /// The folders of a state, relative to the machine's folder.
 #[derive(Debug, Clone)]
-struct Spot {
+struct StateLocation {
     /// Current folder of the files. `None` if they are not on this disk.
     now: Option<PathBuf>,
     /// Location of the folder after its ancestors have moved.
@@ -58,7 +58,7 @@ struct Spot {
 struct Job<'j> {
     new: &'j State,
     old: Option<Old<'j>>,
-    spot: &'j Spot,
+    location: &'j StateLocation,
 }
 
 impl<'p> Planner<'p> {
@@ -75,8 +75,8 @@ impl<'p> Planner<'p> {
         let lies = old.map(|old| PathBuf::from(&*old.place.folder)).unwrap_or_default();
         let now = self.mode.here.then(|| lies.clone());
         let moved = if self.mode.here { lies.clone() } else { PathBuf::new() };
-        let spot = Spot { now, moved, path: PathBuf::new(), staged: false };
-        let place = self.state(new, old, &spot)?;
+        let location = StateLocation { now, moved, path: PathBuf::new(), staged: false };
+        let place = self.state(new, old, &location)?;
         if self.mode.here && !lies.as_os_str().is_empty() {
             self.remove_files(&lies);
         }
@@ -108,15 +108,15 @@ impl<'p> Planner<'p> {
         &mut self,
         new: &Arc<State>,
         old: Option<Old<'_>>,
-        spot: &Spot,
+        location: &StateLocation,
     ) -> io::Result<StateFolder> {
-        if let Some(old) = old.filter(|old| self.is_untouched(new, *old, spot)) {
+        if let Some(old) = old.filter(|old| self.is_untouched(new, *old, location)) {
             return Ok(old.place.clone());
         }
         for part in Part::ALL {
-            self.part(&Job { new, old, spot }, part)?;
+            self.part(&Job { new, old, location }, part)?;
         }
-        let children = self.children(new, old, spot)?;
+        let children = self.children(new, old, location)?;
         let place = StateFolder::new(OsString::new(), children).with(parts::oddities(new, old));
         Ok(place)
     }
@@ -126,8 +126,8 @@ impl<'p> Planner<'p> {
             return Ok(());
         }
         let bytes = parts::bytes(job.new, job.old, part);
-        let at = job.spot.path.join(part.file_name());
-        if job.spot.staged {
+        let at = job.location.path.join(part.file_name());
+        if job.location.staged {
             self.plan.files.extend(bytes.map(|bytes| NewFile { path: at, bytes, like: None }));
             return Ok(());
         }
@@ -136,7 +136,7 @@ impl<'p> Planner<'p> {
         }
         match bytes {
             Some(bytes) => self.replace(at, bytes),
-            None if job.spot.now.is_some() => {
+            None if job.location.now.is_some() => {
                 self.plan.changed.push(at.clone());
                 self.plan.manifest.removed.push(at);
             }
@@ -147,7 +147,7 @@ impl<'p> Planner<'p> {
 
     /// Returns true if this program loaded or saved the file and its part did not change.
     fn is_as_before(&self, job: &Job<'_>, part: Part) -> bool {
-        let Some(old) = job.old.filter(|_| job.spot.now.is_some() && !self.mode.rewrite) else {
+        let Some(old) = job.old.filter(|_| job.location.now.is_some() && !self.mode.rewrite) else {
             return false;
         };
         let is_stale = part == Part::Core && old.place.is_stale();
@@ -156,10 +156,10 @@ impl<'p> Planner<'p> {
 
     /// Returns true if the file on disk is correct. Applies only if every file is compared.
     fn is_there(&self, job: &Job<'_>, part: Part, bytes: Option<&[u8]>) -> io::Result<bool> {
-        let Some(now) = job.spot.now.as_ref().filter(|_| self.mode.rewrite) else {
+        let Some(now) = job.location.now.as_ref().filter(|_| self.mode.rewrite) else {
             return Ok(false);
         };
-        if job.spot.moved != job.spot.path {
+        if job.location.moved != job.location.path {
             return Ok(bytes.is_none());
         }
         let found = self.disk.read(&self.dir.join(now).join(part.file_name()))?;
@@ -183,9 +183,9 @@ impl<'p> Planner<'p> {
         &mut self,
         new: &State,
         old: Option<Old<'_>>,
-        spot: &Spot,
+        location: &StateLocation,
     ) -> io::Result<Vec<(StateId, StateFolder)>> {
-        self.remove_children(new, old, spot);
+        self.remove_children(new, old, location);
         let Some(container) = new.container() else { return Ok(Vec::new()) };
         let mut names = Names { taken: None };
         let mut places = Vec::with_capacity(container.states.len());
@@ -193,11 +193,13 @@ impl<'p> Planner<'p> {
         for (id, child) in container.states.iter() {
             while earlier.next_if(|(known, _)| *known < id).is_some() {}
             let before = earlier.next_if(|(known, _)| *known == id).map(|(_, before)| before);
-            if let Some(before) = before.filter(|before| self.is_untouched(child, *before, spot)) {
+            if let Some(before) =
+                before.filter(|before| self.is_untouched(child, *before, location))
+            {
                 places.push((id.clone(), before.place.clone()));
                 continue;
             }
-            let (folder, inside) = self.child(child, before, spot, &mut names)?;
+            let (folder, inside) = self.child(child, before, location, &mut names)?;
             let place = self.state(child, before, &inside)?;
             places.push((id.clone(), place.in_folder(folder)));
         }
@@ -205,8 +207,8 @@ impl<'p> Planner<'p> {
     }
 
     /// Returns true if the child and its path are unchanged.
-    fn is_untouched(&self, child: &Arc<State>, before: Old<'_>, spot: &Spot) -> bool {
-        self.mode.is_lazy() && spot.now.is_some() && Arc::ptr_eq(child, before.state)
+    fn is_untouched(&self, child: &Arc<State>, before: Old<'_>, location: &StateLocation) -> bool {
+        self.mode.is_lazy() && location.now.is_some() && Arc::ptr_eq(child, before.state)
     }
 
     /// Returns the child's folder and its location.
@@ -214,35 +216,38 @@ impl<'p> Planner<'p> {
         &mut self,
         child: &State,
         before: Option<Old<'_>>,
-        spot: &Spot,
+        location: &StateLocation,
         names: &mut Names,
-    ) -> io::Result<(OsString, Spot)> {
-        if spot.staged {
+    ) -> io::Result<(OsString, StateLocation)> {
+        if location.staged {
             let folder = names.free(child, self.mode.naming);
-            let path = spot.path.join(&folder);
+            let path = location.path.join(&folder);
             self.plan.folders.push(path.clone());
-            return Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }));
+            return Ok((
+                folder,
+                StateLocation { now: None, moved: path.clone(), path, staged: true },
+            ));
         }
-        let here = before.zip(spot.now.as_ref());
+        let here = before.zip(location.now.as_ref());
         let Some((before, now)) = here else {
-            return self.new_child(child, spot, names);
+            return self.new_child(child, location, names);
         };
         let lies = &before.place.folder;
-        let stays = spot.moved == spot.path && !self.is_renamed(child, before);
+        let stays = location.moved == location.path && !self.is_renamed(child, before);
         let folder = if stays {
             lies.to_os_string()
         } else {
-            self.take_names(spot, names)?;
+            self.take_names(location, names)?;
             names.free_but(child, self.mode.naming, lies)
         };
-        let (from, to) = (spot.moved.join(Path::new(&**lies)), spot.path.join(&folder));
+        let (from, to) = (location.moved.join(Path::new(&**lies)), location.path.join(&folder));
         if from != to {
             self.plan.changed.push(to.clone());
             self.plan.manifest.moves.push((from, to.clone()));
         }
         Ok((
             folder,
-            Spot {
+            StateLocation {
                 now: Some(now.join(Path::new(&**lies))),
                 moved: to.clone(),
                 path: to,
@@ -260,24 +265,24 @@ impl<'p> Planner<'p> {
     fn new_child(
         &mut self,
         child: &State,
-        spot: &Spot,
+        location: &StateLocation,
         names: &mut Names,
-    ) -> io::Result<(OsString, Spot)> {
-        self.take_names(spot, names)?;
+    ) -> io::Result<(OsString, StateLocation)> {
+        self.take_names(location, names)?;
         let folder = names.free(child, self.mode.naming);
         let path = self.staged_path();
-        let to = spot.path.join(&folder);
+        let to = location.path.join(&folder);
         self.plan.folders.push(path.clone());
         self.plan.changed.push(to.clone());
         self.plan.manifest.moves.push((path.clone(), to));
-        Ok((folder, Spot { now: None, moved: path.clone(), path, staged: true }))
+        Ok((folder, StateLocation { now: None, moved: path.clone(), path, staged: true }))
     }
 
     /// Reads the names in the folder, once.
-    fn take_names(&self, spot: &Spot, names: &mut Names) -> io::Result<()> {
+    fn take_names(&self, location: &StateLocation, names: &mut Names) -> io::Result<()> {
         if names.taken.is_none() {
             let mut taken: BTreeSet<OsString> = BTreeSet::new();
-            for folder in spot.now.iter().chain([&spot.path]) {
+            for folder in location.now.iter().chain([&location.path]) {
                 taken.extend(self.disk.list(&self.dir.join(folder))?);
             }
             names.taken = Some(taken);
@@ -286,12 +291,12 @@ impl<'p> Planner<'p> {
     }
 
     /// Plans the removal of states that are not in `new`, with their content.
-    fn remove_children(&mut self, new: &State, old: Option<Old<'_>>, spot: &Spot) {
-        let Some(old) = old.filter(|_| spot.now.is_some()) else { return };
+    fn remove_children(&mut self, new: &State, old: Option<Old<'_>>, location: &StateLocation) {
+        let Some(old) = old.filter(|_| location.now.is_some()) else { return };
         let states = new.container().map(|container| &container.states);
         for (id, place) in old.place.children() {
             if states.is_none_or(|states| !states.contains_key(id)) {
-                self.remove_tree(place, &spot.moved.join(Path::new(&*place.folder)));
+                self.remove_tree(place, &location.moved.join(Path::new(&*place.folder)));
             }
         }
     }

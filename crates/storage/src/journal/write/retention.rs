@@ -48,7 +48,7 @@ impl Retention {
     pub fn prune(&self, folder: &Path, now_ms: u64) -> Result<Vec<Pruned>, JournalError> {
         remove_leftovers(folder);
         let folders = run_folders(folder)?;
-        let runs: Vec<Run> = folders.iter().map(|folder| look_at(folder)).collect();
+        let runs: Vec<Run> = folders.iter().map(|folder| inspect(folder)).collect();
         let doomed = self.doomed(&runs, now_ms);
         let mut pruned = Vec::new();
         for index in doomed {
@@ -85,7 +85,7 @@ fn millis(time: Duration) -> u64 {
     u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
 }
 
-fn look_at(folder: &Path) -> Run {
+fn inspect(folder: &Path) -> Run {
     Run {
         // A run without a start time does not count as old.
         started_ms: About::read(folder).map_or(u64::MAX, |about| about.started_ms),
