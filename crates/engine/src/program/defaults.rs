@@ -78,7 +78,8 @@ fn literal<D: Datum>(
 /// Converts a default without reading global variables: `$name` stays plain text, because only inputs read
 /// such a variable.
 fn plain<D: Datum>(
-    (value, is_runtime): (&Value, bool),
+    value: &Value,
+    is_runtime: bool,
     data_type: &DataType,
     literals: &mut dyn Literals<D>,
 ) -> Result<D, SmolStr> {
@@ -93,7 +94,8 @@ pub(super) fn outputs<D: Datum>(
 ) -> Outputs<D> {
     let mut bad = Vec::new();
     let mut make = |(number, port): (u32, &Port)| {
-        plain(source(port, runtime), &port.data_type, literals).unwrap_or_else(|reason| {
+        let (value, is_runtime) = source(port, runtime);
+        plain(value, is_runtime, &port.data_type, literals).unwrap_or_else(|reason| {
             bad.push((number, reason));
             D::none()
         })
@@ -125,7 +127,7 @@ pub(super) fn scoped<D: Datum>(
 }
 
 fn scoped_value<D: Datum>(port: &Port, literals: &mut dyn Literals<D>) -> Result<D, SmolStr> {
-    let value = plain((&port.default, false), &port.data_type, literals)?;
+    let value = plain(&port.default, false, &port.data_type, literals)?;
     if value.is_none() || value.fits(&port.data_type) != Answer::No {
         return Ok(value);
     }

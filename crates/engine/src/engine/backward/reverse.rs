@@ -75,7 +75,7 @@ impl<D: Datum> Step<'_, D> {
             Children::None | Children::Concurrency(_) => None,
         };
         match run {
-            Some((child, run)) if run.entry > 0 => self.enter_back((slot, child), run, branch),
+            Some((child, run)) if run.entry > 0 => self.enter_back(slot, child, run, branch),
             Some(_) | None => self.child_undone(slot),
         }
     }

@@ -11,26 +11,39 @@ use crate::{BranchId, Datum, Effect, Event, HeldBy, Job, NodeId, When};
 use std::num::NonZeroU64;
 use std::sync::Arc;
 
+/// A child to enter backwards.
+#[derive(Debug, Clone, Copy)]
+struct BackwardEntry {
+    parent: u32,
+    child: u32,
+    node: NodeId,
+    branch: BranchId,
+    /// Number of the undone entry, and its outcome.
+    undoes: (u64, u32),
+}
+
 impl<'s, D: Datum> Step<'s, D> {
     /// Enters an ended child backwards.
     pub(in crate::engine) fn enter_back(
         &mut self,
-        (parent, child): (u32, u32),
+        parent: u32,
+        child: u32,
         run: EndedRun<D>,
         branch: BranchId,
     ) {
         let around = self.program.node(self.run.frames.get(parent).node);
         let Some(id) = around.child(child as usize) else { return };
         let undoes = (run.entry, run.outcome);
+        let entry = BackwardEntry { parent, child, node: id, branch, undoes };
         match run.kept {
             Kept::Inner(inner) => {
                 let inputs = Arc::clone(&inner.inputs);
-                let slot = self.begin_back((parent, child), (id, inputs), branch, undoes);
+                let slot = self.begin_back(entry, inputs);
                 self.restore_inner(slot, *inner);
             }
             Kept::Nothing | Kept::Lost => {
                 let inputs = self.inputs_now(parent, child, id);
-                let slot = self.begin_back((parent, child), (id, inputs), branch, undoes);
+                let slot = self.begin_back(entry, inputs);
                 self.run_back(slot);
             }
         }
@@ -40,18 +53,13 @@ impl<'s, D: Datum> Step<'s, D> {
     fn inputs_now(&mut self, parent: u32, child: u32, id: NodeId) -> Arc<[D]> {
         let (node, path) = (self.program.node(id), self.child_path(parent, child));
         if let Body::Library(content) = self.view().body(parent) {
-            return self.library_root_inputs(parent, content, (node, path));
+            return self.library_root_inputs(parent, content, node, path);
         }
-        self.child_inputs(parent, node, (path, None))
+        self.child_inputs(parent, node, path, None)
     }
 
-    fn begin_back(
-        &mut self,
-        (parent, child): (u32, u32),
-        (node, inputs): (NodeId, Arc<[D]>),
-        branch: BranchId,
-        undoes: (u64, u32),
-    ) -> u32 {
+    fn begin_back(&mut self, entry: BackwardEntry, inputs: Arc<[D]>) -> u32 {
+        let BackwardEntry { parent, child, node, branch, undoes } = entry;
         let path = self.child_path(parent, child);
         let entered = Event::Entered {
             path,
@@ -120,7 +128,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Body::Library(_) => {
                 let frame = self.run.frames.get_mut(slot);
                 match frame.children.library().and_then(|root| root.run.take()) {
-                    Some(root) if root.entry > 0 => self.enter_back((slot, 0), root, branch),
+                    Some(root) if root.entry > 0 => self.enter_back(slot, 0, root, branch),
                     Some(_) | None => self.leave_back_later(slot),
                 }
             }
@@ -170,7 +178,7 @@ impl<'s, D: Datum> Step<'s, D> {
             let branch = branch.unwrap_or_else(|| self.open_again(slot));
             self.run.branches.set(branch, true);
             match self.take_end(slot, child) {
-                Some(run) if run.entry > 0 => self.enter_back((slot, child), run, branch),
+                Some(run) if run.entry > 0 => self.enter_back(slot, child, run, branch),
                 Some(_) | None => {
                     self.hold_back(StopPoint::before(slot, child), branch, HeldBy::Start);
                 }

@@ -17,6 +17,19 @@ pub(in crate::engine) enum Source {
     Output(StateId, PortId),
 }
 
+/// A container of the former program.
+struct FormerNode<'p, D> {
+    program: &'p Program<D>,
+    node: &'p Node<D>,
+    inside: &'p Inside<D>,
+}
+
+impl<D> FormerNode<'_, D> {
+    fn sources(&self) -> Vec<Source> {
+        sources(self.program, self.node, self.inside)
+    }
+}
+
 impl<'s, D: Datum> Step<'s, D> {
     /// Moves the run from the program `before` to the program of this step.
     pub(in crate::engine) fn migrate(&mut self, before: &Program<D>) {
@@ -112,12 +125,14 @@ impl<'s, D: Datum> Step<'s, D> {
         self.migrate_undo_log(slot, before, was);
         match (&was.body, self.view().body(slot)) {
             (Body::Hierarchy(old), Body::Hierarchy(new)) => {
+                let former = FormerNode { program: before, node: was, inside: old };
                 self.migrate_last(slot, before, old);
-                self.migrate_slots(slot, (before, was, old), new);
+                self.migrate_slots(slot, &former, new);
             }
             (Body::Concurrency(_, old), Body::Concurrency(kind, new)) => {
-                let known: BTreeSet<_> = sources(before, was, old).into_iter().collect();
-                self.migrate_slots(slot, (before, was, old), new);
+                let former = FormerNode { program: before, node: was, inside: old };
+                let known: BTreeSet<_> = former.sources().into_iter().collect();
+                self.migrate_slots(slot, &former, new);
                 if matches!(kind, Concurrency::Barrier(_)) {
                     self.fill_new_outputs(slot, new, &known);
                 }
@@ -174,19 +189,14 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Keeps values by name. New scoped variables begin with their default.
-    fn migrate_slots(
-        &mut self,
-        slot: u32,
-        (before, was, old): (&Program<D>, &Node<D>, &Inside<D>),
-        new: &'s Inside<D>,
-    ) {
+    fn migrate_slots(&mut self, slot: u32, former: &FormerNode<'_, D>, new: &'s Inside<D>) {
         let frame = self.run.frames.get_mut(slot);
         let (path, is) = (frame.path, self.program.node(frame.node));
-        if frame.slots.len() != old.slots as usize {
+        if frame.slots.len() != former.inside.slots as usize {
             return;
         }
         let values = std::mem::take(&mut frame.slots);
-        let mut kept: BTreeMap<_, _> = sources(before, was, old).into_iter().zip(values).collect();
+        let mut kept: BTreeMap<_, _> = former.sources().into_iter().zip(values).collect();
         let mut fresh = new.scoped.iter();
         for source in sources(self.program, is, new) {
             let scoped = matches!(source, Source::Variable(_)).then(|| fresh.next()).flatten();

@@ -45,10 +45,10 @@ impl<D: Datum> Step<'_, D> {
         let inputs = if stop_point.is_root() {
             self.root_inputs()
         } else if let Body::Library(content) = self.view().body(stop_point.parent) {
-            self.library_root_inputs(stop_point.parent, content, (node, path))
+            self.library_root_inputs(stop_point.parent, content, node, path)
         } else {
             let error = self.run.frames.get(stop_point.parent).last_error.clone();
-            self.child_inputs(stop_point.parent, node, (path, error.as_ref()))
+            self.child_inputs(stop_point.parent, node, path, error.as_ref())
         };
         self.out.events.truncate(said);
         inputs

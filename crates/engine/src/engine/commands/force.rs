@@ -1,7 +1,7 @@
 //! Forced outcomes: for a state that waits or is held, or for a state before which a branch is held.
 
 use crate::engine::Refusal;
-use crate::engine::state::frames::Ended;
+use crate::engine::state::frames::{Ended, EndedChild};
 use crate::engine::state::phase::{Cause, Phase};
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::{StopPoint, SuspendReason, SuspendedBranch};
@@ -24,7 +24,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let nowhere = "it is not active, and nothing is held before it";
         let place = place.ok_or_else(|| cannot(nowhere))?;
         if let Some(slot) = self.view().frame_at(place) {
-            return self.force_end((slot, place), outcome, index).map_err(cannot);
+            return self.force_end(slot, outcome, index).map_err(cannot);
         }
         let hold = self.take_hold_before(place).ok_or_else(|| cannot(nowhere))?;
         self.out.events.push(Event::Forced { path: place, outcome });
@@ -33,13 +33,9 @@ impl<'s, D: Datum> Step<'s, D> {
     }
 
     /// Ends a held or waiting state.
-    fn force_end(
-        &mut self,
-        (slot, path): (u32, PathId),
-        outcome: OutcomeId,
-        index: u32,
-    ) -> Result<(), &'static str> {
+    fn force_end(&mut self, slot: u32, outcome: OutcomeId, index: u32) -> Result<(), &'static str> {
         self.view().stands_still(slot)?;
+        let path = self.run.frames.get(slot).path;
         self.out.events.push(Event::Forced { path, outcome });
         for SuspendedBranch { stop_point, branch, .. } in self.run.control.take_in(slot) {
             if self.view().is_branch(stop_point) {
@@ -106,16 +102,17 @@ impl<'s, D: Datum> Step<'s, D> {
                 let Some(root) = content.root() else { return };
                 let outputs = self.view().root_outputs(parent, content, self.program.node(root));
                 let ended = Ended { outcome, outputs, absent: Vec::new(), error: None };
-                self.library_root_ended(parent, content, (ended, run));
+                self.library_root_ended(parent, content, EndedChild { ended, run });
             }
-            Body::Concurrency(kind, inside) => self.skip_branch(hold, (*kind, inside), outcome),
+            Body::Concurrency(kind, inside) => self.skip_branch(hold, *kind, inside, outcome),
         }
     }
 
     fn skip_branch(
         &mut self,
         hold: &SuspendedBranch<D>,
-        (kind, inside): (Concurrency, &'s Inside<D>),
+        kind: Concurrency,
+        inside: &'s Inside<D>,
         outcome: u32,
     ) {
         let StopPoint { parent, child, .. } = hold.stop_point;

@@ -23,10 +23,10 @@ impl<D: Datum> Step<'_, D> {
             When::Before if stop_point.is_root() => self.enter_root(),
             When::After if stop_point.is_root() => self.finish(),
             When::Before if self.view().is_branch(stop_point) => {
-                self.begin_branch(parent, child, branch)
+                self.begin_branch(parent, child, branch);
             }
             When::After if self.view().is_branch(stop_point) => {
-                self.branch_done(parent, child, branch)
+                self.branch_done(parent, child, branch);
             }
             When::Before | When::After => {
                 let frame = self.run.frames.get_mut(parent);

@@ -75,7 +75,7 @@ impl<D: Datum> Engine<D> {
                 self.check_data(slot, frame, inside)
             }
             (Body::Concurrency(kind, inside), Children::Concurrency(children)) => {
-                self.check_branches(slot, (frame, children), (*kind, inside))?;
+                self.check_branches(slot, children, *kind, inside)?;
                 self.check_data(slot, frame, inside)
             }
             _ => holds(false, slot, "its children are those of another kind of state"),
@@ -100,9 +100,11 @@ impl<D: Datum> Engine<D> {
     fn check_branches(
         &self,
         slot: u32,
-        (frame, children): (&Frame<D>, &ChildrenSideBySide<D>),
-        (kind, inside): (Concurrency, &Inside<D>),
+        children: &ChildrenSideBySide<D>,
+        kind: Concurrency,
+        inside: &Inside<D>,
     ) -> Checked {
+        let frame = self.run.frames.get(slot);
         let count = inside.children.len();
         holds(children.all.len() == count, slot, "it has no place for each child")?;
         let is_branch = |child: &u32| Some(*child) != kind.decider();

@@ -1,6 +1,6 @@
 //! Restores frames, values and places of a run at a moment. From there the run continues like any other.
 
-use crate::engine::state::frames::{Children, Ended, NONE, Seed, Slot};
+use crate::engine::state::frames::{Children, Ended, EndedChild, NONE, Seed, Slot};
 use crate::engine::state::phase::Phase;
 use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::StopPoint;
@@ -281,7 +281,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Some(ended) => {
                 let run = EndedRun::unknown(ended.outcome);
                 let run = self.view().keeps_undo_log().then_some(run);
-                self.library_root_ended(slot, content, (*ended, run));
+                self.library_root_ended(slot, content, EndedChild { ended: *ended, run });
             }
             None => self.begin_library(slot, content),
         }

@@ -20,6 +20,14 @@ pub(in crate::engine) struct Ended<D> {
     pub(in crate::engine) error: Option<D>,
 }
 
+/// The end of a child, and what it leaves to undo it.
+#[derive(Debug)]
+pub(in crate::engine) struct EndedChild<D> {
+    pub(in crate::engine) ended: Ended<D>,
+    /// `None` if the run keeps no undo log.
+    pub(in crate::engine) run: Option<EndedRun<D>>,
+}
+
 /// The extent of a step that holds nowhere below a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::engine) enum Marker {

@@ -1,14 +1,13 @@
 //! Concurrency states: the begin and end of branches, a barrier's decider, and the race of a preemptive state.
 
-use crate::engine::state::frames::{ChildrenSideBySide, Ended};
+use crate::engine::state::frames::{ChildrenSideBySide, Ended, EndedChild};
 use crate::engine::state::phase::{Cause, Phase};
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
-use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Concurrency, Exit, Inside, PREEMPTED};
 use crate::{BranchId, Datum, Effect, Verdict, Verdicts};
 
-impl<'s, D: Datum> Step<'s, D> {
+impl<D: Datum> Step<'_, D> {
     /// Enters a child of a concurrency state on its branch.
     pub(in crate::engine) fn begin_branch(&mut self, parent: u32, child: u32, branch: BranchId) {
         let Body::Concurrency(_, inside) = self.view().body(parent) else { return };
@@ -24,10 +23,12 @@ impl<'s, D: Datum> Step<'s, D> {
     pub(in crate::engine) fn branch_ended(
         &mut self,
         slot: u32,
-        (kind, inside): (Concurrency, &'s Inside<D>),
-        (child, branch): (u32, BranchId),
-        (ended, run): (Ended<D>, Option<EndedRun<D>>),
+        child: u32,
+        branch: BranchId,
+        end: EndedChild<D>,
     ) {
+        let Body::Concurrency(kind, inside) = self.view().body(slot) else { return };
+        let EndedChild { ended, run } = end;
         if matches!(kind, Concurrency::Barrier(_)) {
             self.store_outputs(slot, inside, child, &ended);
         }
@@ -104,19 +105,14 @@ impl<'s, D: Datum> Step<'s, D> {
         let frame = self.run.frames.get_mut(slot);
         let pass = frame.pass.take();
         match decider.filter(|_| frame.last.is_none() && !frame.preempted) {
-            Some(decider) => self.go_to_decider(slot, inside, (decider, pass)),
+            Some(decider) => self.go_to_decider(slot, inside, decider, pass),
             None if frame.last.is_none() => self.leave_container(slot, inside, PREEMPTED),
             None if self.passes_end(slot) => self.conclude(slot, inside),
             None => {}
         }
     }
 
-    fn go_to_decider(
-        &mut self,
-        slot: u32,
-        inside: &'s Inside<D>,
-        (decider, pass): (u32, Option<u32>),
-    ) {
+    fn go_to_decider(&mut self, slot: u32, inside: &'s Inside<D>, decider: u32, pass: Option<u32>) {
         if self.passes_to(slot, decider, pass) {
             self.run.frames.get_mut(slot).phase = Phase::Deciding;
             self.enter_decider(slot, inside, decider);

@@ -8,6 +8,14 @@ use rafcon_model::{Answer, DataType, Port};
 use smol_str::SmolStr;
 use std::sync::Arc;
 
+/// Values that leave a state, with their data flows.
+struct FlowingValues<'v, D> {
+    flows: FlowRange,
+    values: &'v [D],
+    /// Ports without a value.
+    absent: &'v [u32],
+}
+
 /// The newest value in these slots that the predicate accepts.
 fn newest<'v, D>(
     slots: &'v [Slot<D>],
@@ -31,7 +39,8 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         parent: u32,
         node: &'s Node<D>,
-        (path, error): (PathId, Option<&D>),
+        path: PathId,
+        error: Option<&D>,
     ) -> Arc<[D]> {
         let error = node.error_input.zip(error);
         if let (Some(constant), None) = (&node.constant_inputs, error) {
@@ -42,7 +51,7 @@ impl<'s, D: Datum> Step<'s, D> {
             Some((index, error)) if index as usize == port => Some(error.clone()),
             _ => newest(slots, tables.slots(node.gather, port), |value| !value.is_none()).cloned(),
         };
-        inputs(node, path, (self.globals, &mut self.out.events), flowing)
+        inputs(node, path, self.globals, &mut self.out.events, flowing)
     }
 
     /// The inputs of a state without data flows: the values of `given`, otherwise the defaults.
@@ -52,7 +61,7 @@ impl<'s, D: Datum> Step<'s, D> {
         path: PathId,
         given: impl Fn(usize) -> Option<D>,
     ) -> Arc<[D]> {
-        inputs(node, path, (self.globals, &mut self.out.events), given)
+        inputs(node, path, self.globals, &mut self.out.events, given)
     }
 
     /// Stores the initial values of a container: its inputs, then its scoped variables, into which inputs may flow.
@@ -72,7 +81,11 @@ impl<'s, D: Datum> Step<'s, D> {
             port: scoped.port.id,
             value: scoped.initial.clone(),
         }));
-        self.store(slot, inside, inside.scatter, (&inputs, &[]));
+        self.store(
+            slot,
+            inside,
+            &FlowingValues { flows: inside.scatter, values: &inputs, absent: &[] },
+        );
         self.give_scoped(slot, inside);
     }
 
@@ -84,18 +97,14 @@ impl<'s, D: Datum> Step<'s, D> {
         child: u32,
         ended: &Ended<D>,
     ) {
-        let wires = self.program.node(inside.child(child)).scatter;
-        self.store(slot, inside, wires, (&ended.outputs, &ended.absent));
+        let flows = self.program.node(inside.child(child)).scatter;
+        let Ended { outputs: values, absent, .. } = ended;
+        self.store(slot, inside, &FlowingValues { flows, values, absent });
     }
 
-    fn store(
-        &mut self,
-        slot: u32,
-        inside: &'s Inside<D>,
-        wires: FlowRange,
-        (values, absent): (&[D], &[u32]),
-    ) {
-        if wires.is_empty() {
+    fn store(&mut self, slot: u32, inside: &'s Inside<D>, flowing: &FlowingValues<'_, D>) {
+        let &FlowingValues { flows, values, absent } = flowing;
+        if flows.is_empty() {
             return;
         }
         // Ports come before scoped variables, so that the variable has the newer of two values from one state.
@@ -106,7 +115,7 @@ impl<'s, D: Datum> Step<'s, D> {
                 if absent.iter().any(|&index| index as usize == port) {
                     continue;
                 }
-                let targets = self.program.tables.slots(wires, port).iter();
+                let targets = self.program.tables.slots(flows, port).iter();
                 let targets = targets.filter(|target| variables.contains(target) == to_variables);
                 targets.for_each(|&target| self.put(slot, inside, target, value));
             }
@@ -216,7 +225,8 @@ fn mismatch<D: Datum>(port: &Port, value: &D) -> Note {
 fn inputs<D: Datum>(
     node: &Node<D>,
     path: PathId,
-    (globals, events): (&dyn Globals<D>, &mut Vec<Event<D>>),
+    globals: &dyn Globals<D>,
+    events: &mut Vec<Event<D>>,
     given: impl Fn(usize) -> Option<D>,
 ) -> Arc<[D]> {
     let value = |(port, initial): (usize, &Initial<D>)| {

@@ -111,7 +111,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let node = self.program.node(id);
         let path = self.child_path(parent, child);
         let entered_at = self.out.events.len();
-        let inputs = self.child_inputs(parent, node, (path, error.as_ref()));
+        let inputs = self.child_inputs(parent, node, path, error.as_ref());
         let frame = self.run.frames.get(parent);
         Seed {
             node: id,

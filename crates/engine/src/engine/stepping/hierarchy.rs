@@ -1,10 +1,9 @@
 //! Hierarchy states: they run one child after the other and follow transitions.
 
-use crate::engine::state::frames::Ended;
+use crate::engine::state::frames::EndedChild;
 use crate::engine::state::phase::{Cause, Phase};
 use crate::engine::state::step::{Step, View};
 use crate::engine::state::suspended::StopPoint;
-use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Body, Exit, Inside, PREEMPTED};
 use crate::{Datum, Event, WaitReason};
 
@@ -92,8 +91,9 @@ impl<'s, D: Datum> Step<'s, D> {
         slot: u32,
         inside: &'s Inside<D>,
         child: u32,
-        (ended, run): (Ended<D>, Option<EndedRun<D>>),
+        end: EndedChild<D>,
     ) {
+        let EndedChild { ended, run } = end;
         let children = self.run.frames.get(slot).children.in_turn();
         let first = children.map_or(0, |children| children.undo_log.undo.len());
         self.store_outputs(slot, inside, child, &ended);

@@ -1,6 +1,6 @@
 //! Leaves a state, and continues the state around it.
 
-use crate::engine::state::frames::{Ended, NONE};
+use crate::engine::state::frames::{Ended, EndedChild, NONE};
 use crate::engine::state::phase::{Cause, Reaction, react};
 use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::{LeftState, StopPoint};
@@ -136,15 +136,17 @@ impl<'s, D: Datum> Step<'s, D> {
         self.run.frames.remove(slot);
         match self.view().body(parent) {
             Body::Script => {}
-            Body::Library(content) => self.library_root_ended(parent, content, (ended, run)),
+            Body::Library(content) => {
+                self.library_root_ended(parent, content, EndedChild { ended, run });
+            }
             Body::Hierarchy(inside) => {
-                self.child_of_hierarchy_ended(parent, inside, child, (ended, run));
+                self.child_of_hierarchy_ended(parent, inside, child, EndedChild { ended, run });
             }
             Body::Concurrency(kind, inside) if kind.decider() == Some(child) => {
                 self.decider_ended(parent, inside, child, ended);
             }
-            Body::Concurrency(kind, inside) => {
-                self.branch_ended(parent, (*kind, inside), (child, branch), (ended, run));
+            Body::Concurrency(..) => {
+                self.branch_ended(parent, child, branch, EndedChild { ended, run });
             }
         }
     }

@@ -1,10 +1,9 @@
 //! Library states: one frame for the state and one for the root of its content. Both have equal data and outcome.
 
-use crate::engine::state::frames::{Ended, Seed};
+use crate::engine::state::frames::{Ended, EndedChild, Seed};
 use crate::engine::state::phase::{Cause, Phase};
 use crate::engine::state::step::{Step, View, Work};
 use crate::engine::state::suspended::StopPoint;
-use crate::engine::state::undo_log::EndedRun;
 use crate::program::{ABORTED, Content, Node, PREEMPTED};
 use crate::{Datum, Level, Note, PathId};
 use std::sync::Arc;
@@ -61,7 +60,7 @@ impl<'s, D: Datum> Step<'s, D> {
         let node = self.program.node(*root);
         let path = self.child_path(parent, 0);
         let entered_at = self.out.events.len();
-        let inputs = self.library_root_inputs(parent, content, (node, path));
+        let inputs = self.library_root_inputs(parent, content, node, path);
         let outputs = self.view().root_outputs(parent, content, node);
         let frame = self.run.frames.get_mut(parent);
         let error = frame.error.take();
@@ -86,7 +85,8 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         library: u32,
         content: &'s Content<D>,
-        (root, path): (&'s Node<D>, PathId),
+        root: &'s Node<D>,
+        path: PathId,
     ) -> Arc<[D]> {
         let inputs = self.run.frames.get(library).inputs.clone().unwrap_or_default();
         let Content::Found { ports: Some(ports), .. } = content else { return inputs };
@@ -99,8 +99,9 @@ impl<'s, D: Datum> Step<'s, D> {
         &mut self,
         slot: u32,
         content: &'s Content<D>,
-        (ended, run): (Ended<D>, Option<EndedRun<D>>),
+        end: EndedChild<D>,
     ) {
+        let EndedChild { ended, run } = end;
         let Content::Found { ports, outcomes, .. } = content else { return };
         let free = self.run.is_free();
         let frame = self.run.frames.get_mut(slot);
