@@ -22,17 +22,18 @@ pub(super) fn plan(
     match edit {
         ChildrenEdit::Add(state) => add(path, here.0, state, types),
         ChildrenEdit::Remove(id) => remove(path, here.1, &id),
-        ChildrenEdit::SetStart(target) => Ok(set_start(path, here, target)),
+        ChildrenEdit::SetStart(target) => Ok(set_start(path, here.0, here.1, target)),
         ChildrenEdit::Group { states, scoped_variables, id, name } => group::plan(
             path,
             here,
-            (&states, &scoped_variables),
+            &states,
+            &scoped_variables,
             State::new(id, name, Kind::Hierarchy(Container::default())),
         ),
         ChildrenEdit::Ungroup { state, fresh } => ungroup::plan(path, here, &state, fresh),
         ChildrenEdit::Substitute { state, by } => substitute::plan(path, here, &state, by, types),
         ChildrenEdit::Move { states, to, ids } => {
-            selection::plan_move(machine, (path, here), &states, (&to, ids))
+            selection::plan_move(machine, path, &states, &to, ids)
         }
         ChildrenEdit::Paste { selection, ids } => {
             selection::plan_paste(path, here.0, selection, ids, Some(types))
@@ -132,7 +133,8 @@ pub(super) fn removable<'c>(
 
 fn set_start(
     path: &StatePath,
-    (state, container): (&State, &Container),
+    state: &State,
+    container: &Container,
     target: Option<Target>,
 ) -> Vec<Step> {
     let mut earlier = container.transitions.from(&Origin::Income);

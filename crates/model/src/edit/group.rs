@@ -18,13 +18,14 @@ use std::sync::Arc;
 pub(super) fn plan(
     path: &StatePath,
     here: (&State, &Container),
-    (states, variables): (&[StateId], &[PortId]),
+    states: &[StateId],
+    variables: &[PortId],
     group: State,
 ) -> Result<Vec<Step>, EditError> {
     if here.1.states.contains_key(&group.id) {
         return Err(EditError::taken(&path.child(group.id), Part::State));
     }
-    let mut grouping = Grouping::new(path, here, group);
+    let mut grouping = Grouping::new(path, here.0, here.1, group);
     states.iter().try_for_each(|id| grouping.take_state(id))?;
     variables.iter().try_for_each(|id| grouping.take_variable(*id))?;
     if grouping.members.is_empty() {
@@ -58,11 +59,7 @@ struct Grouping<'m> {
 }
 
 impl<'m> Grouping<'m> {
-    fn new(
-        path: &'m StatePath,
-        (state, container): (&'m State, &'m Container),
-        group: State,
-    ) -> Self {
+    fn new(path: &'m StatePath, state: &'m State, container: &'m Container, group: State) -> Self {
         Self {
             path,
             state,

@@ -59,7 +59,8 @@ fn parent_container<'m>(
 pub(super) fn port(
     machine: &Machine,
     path: &StatePath,
-    (kind, id): (PortKind, PortId),
+    kind: PortKind,
+    id: PortId,
     edit: PortEdit,
 ) -> Result<Vec<Step>, EditError> {
     let state = state_at(machine, path)?;
@@ -78,7 +79,7 @@ pub(super) fn port(
         PortEdit::SetDefault(default) => Port { default, ..found()? },
         PortEdit::Remove => {
             found()?;
-            let mut steps = flows_at(machine, path, (state, kind), id);
+            let mut steps = flows_at(machine, path, state, kind, id);
             steps.push(set(None));
             return Ok(steps);
         }
@@ -95,7 +96,8 @@ fn is_taken(state: &State, id: PortId) -> bool {
 fn flows_at(
     machine: &Machine,
     path: &StatePath,
-    (state, kind): (&State, PortKind),
+    state: &State,
+    kind: PortKind,
     id: PortId,
 ) -> Vec<Step> {
     let remove = |at: &StatePath, container: &Container| -> Vec<Step> {

@@ -37,7 +37,8 @@ pub(super) fn plan(
 pub(super) fn runtime_value(
     machine: &Machine,
     path: &StatePath,
-    (kind, id): (PortKind, PortId),
+    kind: PortKind,
+    id: PortId,
     edit: RuntimeValueEdit,
 ) -> Result<Vec<Step>, EditError> {
     let state = state_at(machine, path)?;

@@ -111,10 +111,10 @@ pub(super) fn plan(
         Layout::from_json(&document)
     };
     let layout = match edit {
-        LayoutEdit::SetPosition(element, at) => with(element, POSITION, tuple(*at)),
-        LayoutEdit::SetSize(element, size) => with(element, SIZE, tuple(*size)),
+        LayoutEdit::SetPosition(element, at) => with(element, POSITION, tuple(at.0, at.1)),
+        LayoutEdit::SetSize(element, size) => with(element, SIZE, tuple(size.0, size.1)),
         LayoutEdit::SetWaypoints(element, points) => {
-            let points = points.iter().map(|point| tuple(*point)).collect();
+            let points = points.iter().map(|point| tuple(point.0, point.1)).collect();
             with(element, WAYPOINTS, Json::List(points))
         }
         LayoutEdit::Set(layout) => layout.clone(),
@@ -123,7 +123,7 @@ pub(super) fn plan(
 }
 
 /// A point in the encoding of the file.
-fn tuple((x, y): (f64, f64)) -> Json {
+fn tuple(x: f64, y: f64) -> Json {
     Json::Object(vec![
         ("__jsonqualname__".into(), Json::Str("__builtin__.tuple".into())),
         ("items".into(), Json::List(vec![Json::Float(x), Json::Float(y)])),

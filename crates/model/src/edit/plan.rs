@@ -17,11 +17,11 @@ pub(super) fn plan(
     match edit {
         Edit::State(path, edit) => own::plan(machine, &path, edit),
         Edit::Outcome(path, id, edit) => interface::outcome(machine, &path, id, edit),
-        Edit::Port(path, kind, id, edit) => interface::port(machine, &path, (kind, id), edit),
+        Edit::Port(path, kind, id, edit) => interface::port(machine, &path, kind, id, edit),
         Edit::Transition(path, id, edit) => connections::transition(machine, &path, id, edit),
         Edit::DataFlow(path, id, edit) => connections::data_flow(machine, &path, id, edit),
         Edit::RuntimeValue(path, kind, id, edit) => {
-            own::runtime_value(machine, &path, (kind, id), edit)
+            own::runtime_value(machine, &path, kind, id, edit)
         }
         Edit::Layout(path, edit) => place::plan(machine, &path, &edit),
         Edit::Children(path, edit) => children::plan(machine, &path, edit, types),

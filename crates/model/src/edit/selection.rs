@@ -62,10 +62,12 @@ pub fn copy(container: &State, states: &[StateId], scoped_variables: &[PortId]) 
 /// The steps that move states to another container.
 pub(super) fn plan_move(
     machine: &Machine,
-    (path, (state, container)): (&StatePath, (&State, &Container)),
+    path: &StatePath,
     states: &[StateId],
-    (to, ids): (&StatePath, Vec<StateId>),
+    to: &StatePath,
+    ids: Vec<StateId>,
 ) -> Result<Vec<Step>, EditError> {
+    let (state, container) = container_at(machine, path)?;
     let mut steps = Vec::new();
     for id in states {
         removable(path, container, id)?;

@@ -4,8 +4,8 @@ use super::shared::{Shared, content};
 use super::{extra_text, fits_block, id_text, name_text, quoted, type_text, value_text};
 use crate::ids::{id_after, smallest_free};
 use crate::{
-    Container, DataFlow, Header, Json, Kind, Layout, Library, LibraryContent, Machine, OutcomeId,
-    PortId, Ports, RuntimeValues, State, StateId, Transition, Value, json,
+    Container, DataFlow, Header, Kind, Layout, Library, LibraryContent, Machine, OutcomeId, PortId,
+    Ports, RuntimeValues, State, StateId, Transition, Value, json,
 };
 
 /// Which parts are printed.
@@ -214,29 +214,19 @@ impl<'m> Printer<'m> {
         let mut last = None;
         for transition in container.transitions.iter() {
             let line = transition_text(state, transition);
-            self.connection(line, (transition.id.0, last), transition.extra.as_deref(), depth);
+            let id = id_suffix(transition.id.0, last);
+            let extra = extra_text(transition.extra.as_deref());
+            self.line(depth, &format!("{line}{id}{extra}"));
             last = Some(transition.id.0);
         }
         let mut last = None;
         for flow in container.data_flows.iter() {
             let line = flow_text(state, flow);
-            self.connection(line, (flow.id.0, last), flow.extra.as_deref(), depth);
+            let id = id_suffix(flow.id.0, last);
+            let extra = extra_text(flow.extra.as_deref());
+            self.line(depth, &format!("{line}{id}{extra}"));
             last = Some(flow.id.0);
         }
-    }
-
-    fn connection(
-        &mut self,
-        mut line: String,
-        (id, last): (i64, Option<i64>),
-        extra: Option<&Json>,
-        depth: usize,
-    ) {
-        if id_after(last) != Some(id) {
-            line = format!("{line} as {id}");
-        }
-        line.push_str(&extra_text(extra));
-        self.line(depth, &line);
     }
 
     fn library(&mut self, state: &State, library: &Library, depth: usize) {
@@ -369,6 +359,11 @@ fn port_name(owner: &State, own: bool, side: Side, id: PortId) -> Option<String>
         .filter_map(|ports| ports.get(id))
         .find(|port| port_by_name(owner, own, side, &port.name) == Some(id))
         .map(|port| name_text(&port.name))
+}
+
+/// The id of a connection, if it does not follow from that of the `last` one.
+fn id_suffix(id: i64, last: Option<i64>) -> String {
+    if id_after(last) == Some(id) { String::new() } else { format!(" as {id}") }
 }
 
 fn end_text(container: &StateId, id: Option<&StateId>, part: Option<String>, none: &str) -> String {

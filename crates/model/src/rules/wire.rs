@@ -38,7 +38,7 @@ fn source<'s>(
     container: &'s Container,
     flow: &DataFlow,
 ) -> Result<WiredPort<'s>, Fault> {
-    let end = end(state, container, (&flow.from_state, flow.from_port), "begins")?;
+    let end = end(state, container, &flow.from_state, flow.from_port, "begins")?;
     match (end.is_own, end.kind) {
         (true, PortKind::Input | PortKind::ScopedVariable) | (false, PortKind::Output) => Ok(end),
         _ => Err(Fault::new(Rule::FlowSource, end.what("begins"))),
@@ -50,7 +50,7 @@ fn target<'s>(
     container: &'s Container,
     flow: &DataFlow,
 ) -> Result<WiredPort<'s>, Fault> {
-    let end = end(state, container, (&flow.to_state, flow.to_port), "ends")?;
+    let end = end(state, container, &flow.to_state, flow.to_port, "ends")?;
     match (end.is_own, end.kind) {
         (true, PortKind::Output | PortKind::ScopedVariable) | (false, PortKind::Input) => Ok(end),
         _ => Err(Fault::new(Rule::FlowTarget, end.what("ends"))),
@@ -73,7 +73,8 @@ fn pair_fault(
 fn end<'s>(
     state: &'s State,
     container: &'s Container,
-    (id, port): (&StateId, PortId),
+    id: &StateId,
+    port: PortId,
     verb: &str,
 ) -> Result<WiredPort<'s>, Fault> {
     let is_own = *id == state.id;
