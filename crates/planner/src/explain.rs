@@ -1,7 +1,7 @@
 //! The reason for each step of a plan: the facts that it needs and their sources, the facts that it brings and their
 //! users.
 
-use crate::ground::{Binding, Changes, Literal};
+use crate::ground::{Binding, Changes, Expected, Literal};
 use crate::plan::Plan;
 use crate::task::Task;
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,7 +46,7 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
         let Ok((action, binding)) = task.bind(step) else { continue };
         let mut asked = BTreeSet::new();
         for need in &action.needs {
-            ground.ask((need, true), &binding, &world, &mut asked);
+            ground.ask(Expected::holds(need), &binding, &world, &mut asked);
         }
         for fact in asked {
             let from = brought.get(&fact).copied();
@@ -71,7 +71,7 @@ pub fn explain(task: &Task, plan: &Plan) -> Vec<Reason> {
         }
     }
     let mut wanted = BTreeSet::new();
-    ground.ask((&task.problem.goal, true), &Binding::default(), &world, &mut wanted);
+    ground.ask(Expected::holds(&task.problem.goal), &Binding::default(), &world, &mut wanted);
     for fact in wanted {
         if let Some(from) = brought.get(&fact) {
             note(&mut reasons[*from], &fact, |gain| gain.goal = true);

@@ -132,6 +132,19 @@ impl Binding {
     }
 }
 
+/// A condition, or its negation if `holds` is false.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Expected<'c> {
+    condition: &'c Condition,
+    holds: bool,
+}
+
+impl<'c> Expected<'c> {
+    pub(crate) fn holds(condition: &'c Condition) -> Self {
+        Self { condition, holds: true }
+    }
+}
+
 impl Ground<'_> {
     /// All choices of objects for these names, each added to the binding.
     fn each(self, names: &[Typed], binding: &Binding) -> Vec<Binding> {
@@ -282,11 +295,13 @@ impl Ground<'_> {
     /// Collects the facts in the world that satisfy a condition, or its negation.
     pub(crate) fn ask(
         self,
-        (condition, holds): (&Condition, bool),
+        expected: Expected<'_>,
         binding: &Binding,
         world: &World,
         into: &mut BTreeSet<Literal>,
     ) {
+        let Expected { condition, holds } = expected;
+        let expect = |condition| Expected { condition, holds };
         match condition {
             Condition::Fact(atom) => {
                 let fact = binding.fact(atom);
@@ -295,15 +310,17 @@ impl Ground<'_> {
                 }
             }
             Condition::Same(..) | Condition::Compare(..) => {}
-            Condition::Not(inner) => self.ask((inner, !holds), binding, world, into),
+            Condition::Not(inner) => {
+                self.ask(Expected { condition: inner, holds: !holds }, binding, world, into);
+            }
             Condition::And(parts) | Condition::Or(parts) => {
                 for part in parts {
-                    self.ask((part, holds), binding, world, into);
+                    self.ask(expect(part), binding, world, into);
                 }
             }
             Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
                 for binding in self.each(names, binding) {
-                    self.ask((inner, holds), &binding, world, into);
+                    self.ask(expect(inner), &binding, world, into);
                 }
             }
         }

@@ -46,19 +46,20 @@ impl Task {
                 format!("facts: no skill knows `{name}`: facts with it are left out"),
             )
         }));
+        let mut checks = AtomChecks {
+            domain: &domain,
+            problem: &problem,
+            place: "facts",
+            findings: &mut findings,
+        };
         for fact in &problem.facts {
-            check_atom(
-                (&domain, &problem),
-                &domain.predicates,
-                fact,
-                &[],
-                ("facts", &mut findings),
-            );
+            checks.check_atom(&domain.predicates, fact, &[]);
         }
         for (fact, _) in &problem.numbers {
-            check_atom((&domain, &problem), &domain.functions, fact, &[], ("facts", &mut findings));
+            checks.check_atom(&domain.functions, fact, &[]);
         }
-        check_goal(&domain, &problem, &problem.goal, &mut Vec::new(), &mut findings);
+        checks.place = "goal";
+        checks.check_goal(&problem.goal, &mut Vec::new());
         (Self { domain, problem }, findings)
     }
 
@@ -130,96 +131,94 @@ fn check_objects(domain: &Domain, problem: &Problem, findings: &mut Vec<Finding>
     }
 }
 
-/// Checks an atom of facts or the goal against the signatures.
-fn check_atom(
-    (domain, problem): (&Domain, &Problem),
-    signatures: &[Signature],
-    atom: &Atom,
-    variables: &[Typed],
-    (place, findings): (&str, &mut Vec<Finding>),
-) {
-    let mut wrong = |text: String| findings.push(Finding::error(&[], format!("{place}: {text}")));
-    let Some(signature) = signatures.iter().find(|signature| signature.name == atom.name) else {
-        let known: Vec<_> = signatures.iter().map(ToString::to_string).collect();
-        return wrong(format!("no skill knows `{atom}`; there are {}", known.join(" ")));
-    };
-    if signature.arguments.len() != atom.arguments.len() {
-        return wrong(format!("`{atom}` does not fit `{signature}`"));
-    }
-    for (wanted, term) in signature.arguments.iter().zip(&atom.arguments) {
-        let fits = match term {
-            Term::Variable(name) => {
-                if let Some(typed) = variables.iter().find(|typed| typed.name == *name) {
-                    typed.types.is_empty()
-                        || typed.types.iter().any(|kind| domain.fits(kind, &wanted.types))
-                } else {
-                    wrong(format!("`?{name}` in `{atom}` stands for nothing"));
-                    continue;
-                }
-            }
-            Term::Object(name) => {
-                if let Some(object) = problem.objects.iter().find(|object| object.name == *name) {
-                    domain.fits(&object.kind, &wanted.types)
-                } else {
-                    wrong(format!(
-                        "`{atom}` names `{name}`, which is no object: add it to `(:objects …)`"
-                    ));
-                    continue;
-                }
-            }
+/// Checks of the atoms in the facts or the goal.
+struct AtomChecks<'c> {
+    domain: &'c Domain,
+    problem: &'c Problem,
+    /// Part of the problem that the findings name.
+    place: &'static str,
+    findings: &'c mut Vec<Finding>,
+}
+
+impl AtomChecks<'_> {
+    /// Checks an atom of facts or the goal against the signatures.
+    fn check_atom(&mut self, signatures: &[Signature], atom: &Atom, variables: &[Typed]) {
+        let (domain, problem, place) = (self.domain, self.problem, self.place);
+        let findings = &mut *self.findings;
+        let mut wrong =
+            |text: String| findings.push(Finding::error(&[], format!("{place}: {text}")));
+        let Some(signature) = signatures.iter().find(|signature| signature.name == atom.name)
+        else {
+            let known: Vec<_> = signatures.iter().map(ToString::to_string).collect();
+            return wrong(format!("no skill knows `{atom}`; there are {}", known.join(" ")));
         };
-        if !fits {
-            wrong(format!("`{term}` in `{atom}` is no {}", wanted.types.join(" or ")));
+        if signature.arguments.len() != atom.arguments.len() {
+            return wrong(format!("`{atom}` does not fit `{signature}`"));
         }
-    }
-}
-
-fn check_goal(
-    domain: &Domain,
-    problem: &Problem,
-    goal: &Condition,
-    variables: &mut Vec<Typed>,
-    findings: &mut Vec<Finding>,
-) {
-    match goal {
-        Condition::Fact(atom) => {
-            check_atom((domain, problem), &domain.predicates, atom, variables, ("goal", findings));
-        }
-        Condition::Same(..) => {}
-        Condition::Not(inner) => check_goal(domain, problem, inner, variables, findings),
-        Condition::And(parts) | Condition::Or(parts) => {
-            for part in parts {
-                check_goal(domain, problem, part, variables, findings);
-            }
-        }
-        Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
-            let outer = variables.len();
-            variables.extend_from_slice(names);
-            check_goal(domain, problem, inner, variables, findings);
-            variables.truncate(outer);
-        }
-        Condition::Compare(_, a, b) => {
-            for number in [a, b] {
-                check_number(domain, problem, number, variables, findings);
+        for (wanted, term) in signature.arguments.iter().zip(&atom.arguments) {
+            let fits = match term {
+                Term::Variable(name) => {
+                    if let Some(typed) = variables.iter().find(|typed| typed.name == *name) {
+                        typed.types.is_empty()
+                            || typed.types.iter().any(|kind| domain.fits(kind, &wanted.types))
+                    } else {
+                        wrong(format!("`?{name}` in `{atom}` stands for nothing"));
+                        continue;
+                    }
+                }
+                Term::Object(name) => {
+                    if let Some(object) = problem.objects.iter().find(|object| object.name == *name)
+                    {
+                        domain.fits(&object.kind, &wanted.types)
+                    } else {
+                        wrong(format!(
+                            "`{atom}` names `{name}`, which is no object: add it to `(:objects …)`"
+                        ));
+                        continue;
+                    }
+                }
+            };
+            if !fits {
+                wrong(format!("`{term}` in `{atom}` is no {}", wanted.types.join(" or ")));
             }
         }
     }
-}
 
-fn check_number(
-    domain: &Domain,
-    problem: &Problem,
-    number: &Number,
-    variables: &[Typed],
-    findings: &mut Vec<Finding>,
-) {
-    match number {
-        Number::Literal(_) | Number::Duration => {}
-        Number::Function(atom) => {
-            check_atom((domain, problem), &domain.functions, atom, variables, ("goal", findings));
+    fn check_goal(&mut self, goal: &Condition, variables: &mut Vec<Typed>) {
+        match goal {
+            Condition::Fact(atom) => {
+                self.check_atom(&self.domain.predicates, atom, variables);
+            }
+            Condition::Same(..) => {}
+            Condition::Not(inner) => self.check_goal(inner, variables),
+            Condition::And(parts) | Condition::Or(parts) => {
+                for part in parts {
+                    self.check_goal(part, variables);
+                }
+            }
+            Condition::Forall(names, inner) | Condition::Exists(names, inner) => {
+                let outer = variables.len();
+                variables.extend_from_slice(names);
+                self.check_goal(inner, variables);
+                variables.truncate(outer);
+            }
+            Condition::Compare(_, a, b) => {
+                for number in [a, b] {
+                    self.check_number(number, variables);
+                }
+            }
         }
-        Number::Combined(_, parts) => {
-            parts.iter().for_each(|part| check_number(domain, problem, part, variables, findings));
+    }
+
+    fn check_number(&mut self, number: &Number, variables: &[Typed]) {
+        match number {
+            Number::Literal(_) | Number::Duration => {}
+            Number::Function(atom) => {
+                self.check_atom(&self.domain.functions, atom, variables);
+            }
+            Number::Combined(_, parts) => {
+                parts.iter().for_each(|part| self.check_number(part, variables));
+            }
         }
     }
 }

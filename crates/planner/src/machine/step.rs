@@ -61,15 +61,14 @@ pub(super) fn state(
         build.pool.skill(&step.action).ok_or_else(|| BuildError::NoSkill(step.action.clone()))?;
     let recovery = skill.recovery.unwrap_or(build.recovery);
     let name = title(build, skill, index);
-    let objects = &build.task.problem.objects;
-    let inputs = values::of(skill, (&skill.library, &skill.root), step, objects, build.data)?;
+    let inputs = values::of(skill, &skill.library, &skill.root, step, build)?;
     let own = Sized::leaf(library(ids.next(), &name, &skill.library, &skill.root, inputs));
     let own_done = skill.done().map_or(SUCCESS, |outcome| outcome.id);
     let check = match &skill.check {
         Some(check) => {
             let root = (build.library)(check)
                 .map_err(|reason| BuildError::NoLibrary { library: check.clone(), reason })?;
-            let inputs = values::of(skill, (check, &root), step, objects, build.data)?;
+            let inputs = values::of(skill, check, &root, step, build)?;
             Some((
                 library(ids.next(), &format!("Check before {name}"), check, &root, inputs),
                 done(&root).map_or(SUCCESS, |outcome| outcome.id),
@@ -80,19 +79,29 @@ pub(super) fn state(
     if check.is_none() && recovery.retries == 0 && recovery.then != Then::Ask {
         return Ok((own, own_done));
     }
-    Ok((recovered(ids, (&name, own, own_done), check, recovery), SUCCESS))
+    let own = NamedStep { name: &name, body: own, done: own_done };
+    Ok((recovered(ids, own, check, recovery), SUCCESS))
+}
+
+/// The state of a step, without its recovery.
+struct NamedStep<'n> {
+    name: &'n str,
+    body: Sized,
+    /// The outcome that means success.
+    done: OutcomeId,
 }
 
 /// A hierarchy around a step that checks first, retries and asks.
 fn recovered(
     ids: &mut Ids,
-    (name, own, own_done): (&str, Sized, OutcomeId),
+    step: NamedStep<'_>,
     check: Option<(State, OutcomeId)>,
     recovery: Recovery,
 ) -> Sized {
+    let NamedStep { name, body, done: own_done } = step;
     let mut draft = Draft::new(ids.next());
     let check = check.map(|(state, holds)| (draft.add(Sized::leaf(state)), holds));
-    let own = draft.add(own);
+    let own = draft.add(body);
     let first = check.as_ref().map_or(&own, |(check, _)| check).clone();
     draft.start(&first);
     draft.line((&own, own_done), Target::Outcome(SUCCESS));

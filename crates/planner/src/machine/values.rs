@@ -1,7 +1,7 @@
 //! The values for the input ports of a step: the runtime data of its objects, otherwise their names.
 
+use super::Build;
 use crate::finding::Finding;
-use crate::pddl::Object;
 use crate::plan::{Step, spelling};
 use crate::skill::{self, Skill};
 use rafcon_model::{DataType, Port, RuntimeValue, RuntimeValues, State, Value};
@@ -13,15 +13,17 @@ pub type Data = [(SmolStr, Value)];
 /// The values of a library state for a step. `library` is the skill's own library, or the one that checks it.
 pub(super) fn of(
     skill: &Skill,
-    (library, root): (&SmolStr, &State),
+    library: &SmolStr,
+    root: &State,
     step: &Step,
-    objects: &[Object],
-    data: &Data,
+    build: &Build<'_>,
 ) -> Result<RuntimeValues, Finding> {
+    let objects = &build.task.problem.objects;
     let mut values = defaults(root);
     for (parameter, name) in skill.action.parameters.iter().zip(&step.objects) {
         let Some(port) = skill::port(root, &parameter.name) else { continue };
-        let known = data
+        let known = build
+            .data
             .iter()
             .find(|(object, _)| object.eq_ignore_ascii_case(name))
             .map(|(_, value)| value);
