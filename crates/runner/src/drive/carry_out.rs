@@ -22,7 +22,7 @@ impl<S: Scripts> Driver<S> {
         let entered = self.look_ahead(core);
         let now_ns = self.clock().now_ns();
         self.pulse().moved(now_ns);
-        record_events::record(core, self.scripts(), now_ns, (self.recorder(), beside));
+        record_events::record(core, self.scripts(), now_ns, self.recorder(), beside);
         self.set_alarms(core, &entered);
         let mut effects = std::mem::take(&mut core.outbox.effects);
         for effect in effects.drain(..) {

@@ -19,7 +19,7 @@ impl<S: Scripts> Driver<S> {
         if place.is_some_and(|place| !self.keeps_line(place, level, stream)) {
             return;
         }
-        let record = self.line(place.map(|place| &**place), (level, stream), cut(message));
+        let record = self.line(place.map(|place| &**place), level, stream, cut(message));
         self.record().note([record]);
         let safety = self.recorder().safety();
         if safety.is_full() {
@@ -82,7 +82,8 @@ impl<S: Scripts> Driver<S> {
     fn line(
         &self,
         place: Option<&Place>,
-        (level, stream): (LogLevel, Stream),
+        level: LogLevel,
+        stream: Stream,
         message: String,
     ) -> Record {
         let number = place.map(|place| place.number);

@@ -37,9 +37,10 @@ pub(crate) fn record<S: Scripts>(
     core: &mut Core<S::Value>,
     scripts: &S,
     now: u64,
-    (recorder, beside): (&Recorder, ExtraRecords),
+    recorder: &Recorder,
+    extra: ExtraRecords,
 ) {
-    let ExtraRecords { first, last } = beside;
+    let ExtraRecords { first, last } = extra;
     if core.outbox.events.is_empty() && first.is_none() && last.is_none() {
         return;
     }

@@ -25,7 +25,7 @@ pub(crate) fn take<S: Scripts>(driver: &Driver<S>) -> Option<Snapshot> {
     let (active, texts, status, states_run, sequence) = driver.with_core(look)?;
     let elapsed_ms = driver.clock().now_ms();
     let active =
-        active.iter().filter_map(|active| state(driver, (active, &texts), elapsed_ms)).collect();
+        active.iter().filter_map(|active| state(driver, active, &texts, elapsed_ms)).collect();
     let (disk_safe, problem) = driver.recorder().safety().state();
     Some(Snapshot {
         status: run_status(status),
@@ -50,7 +50,8 @@ struct Texts {
 
 fn state<S: Scripts>(
     driver: &Driver<S>,
-    (active, texts): (&rafcon_engine::ActiveState, &Texts),
+    active: &rafcon_engine::ActiveState,
+    texts: &Texts,
     now_ms: u64,
 ) -> Option<ActiveState> {
     let name = driver.program().node(active.node).name().to_string();

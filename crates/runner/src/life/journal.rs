@@ -20,7 +20,7 @@ pub(crate) fn begin(
         Some(folder) if launch.keeping != Keeping::Off => {
             let about = about(launch, folder, machine, clock);
             let journal = Journal::create(folder, &about, &options(launch.size_max))?;
-            Ok(Recorder::with_journal(journal, None, (launch.keeping, launch.strict)))
+            Ok(Recorder::with_journal(journal, None, launch.keeping, launch.strict))
         }
         _ => Ok(Recorder::default()),
     }

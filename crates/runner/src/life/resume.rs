@@ -109,7 +109,7 @@ impl Resumed {
     pub(crate) fn recorder(self) -> (Recorder, ResumedPast) {
         let Self { resume_point, journal, reader, last, from, crash, policy } = self;
         let About { keeping, strict, .. } = resume_point.about;
-        let recorder = Recorder::with_journal(journal, Some(&resume_point), (keeping, strict));
+        let recorder = Recorder::with_journal(journal, Some(&resume_point), keeping, strict);
         (recorder, ResumedPast { reader, last, from, crash, policy, resume_point })
     }
 }

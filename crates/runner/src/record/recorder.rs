@@ -99,7 +99,8 @@ impl Recorder {
     pub(crate) fn with_journal(
         journal: Journal,
         resume_point: Option<&ResumePoint>,
-        (keeping, strict): (Keeping, bool),
+        keeping: Keeping,
+        strict: bool,
     ) -> Self {
         let last = journal.sequence();
         let names = Names::default();

@@ -243,7 +243,7 @@ fn with_the_strict_rule_a_script_begins_once_its_entry_is_safe() {
 /// A recorder with a journal in a new folder, without a committer.
 fn recorder(folder: &Path) -> Recorder {
     let journal = Journal::create(folder, &About::default(), &Options::default()).unwrap();
-    Recorder::with_journal(journal, None, (Keeping::Full, false))
+    Recorder::with_journal(journal, None, Keeping::Full, false)
 }
 
 fn line(message: &str) -> Record {

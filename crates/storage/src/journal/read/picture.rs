@@ -81,7 +81,7 @@ impl Reader {
             return Ok(None);
         }
         let named =
-            |(port, value): &(u64, Kept)| Ok((name_of(Some(ports), *port), self.view(value)?));
-        values.iter().map(named).collect::<FoundValues<Values>>().map(Some)
+            values.iter().map(|(port, value)| Ok((name_of(Some(ports), *port), self.view(value)?)));
+        named.collect::<FoundValues<Values>>().map(Some)
     }
 }

@@ -154,8 +154,8 @@ impl EventSource {
             {
                 define_place(number, place, &mut items.bytes);
             }
-            let from = (before.value, pickle_max);
-            if let Err(error) = define_values(reader, &entry.record, from, &mut items.bytes) {
+            let (from, bytes) = (before.value, &mut items.bytes);
+            if let Err(error) = define_values(reader, &entry.record, from, pickle_max, bytes) {
                 items.bytes.truncate(length);
                 failed = Some(error);
                 return ControlFlow::Break(());
@@ -217,7 +217,8 @@ fn define_place(number: PlaceNumber, place: Place, items: &mut Vec<u8>) {
 fn define_values(
     reader: &Reader,
     record: &Record,
-    (from, pickle_max): (u64, usize),
+    from: u64,
+    pickle_max: usize,
     items: &mut Vec<u8>,
 ) -> Result<(), JournalError> {
     let mut new = BTreeSet::new();

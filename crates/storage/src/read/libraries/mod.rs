@@ -149,7 +149,7 @@ impl Libraries {
             Ok(dir) if loading.contains(&dir) => {
                 return Err(format_smolstr!("{} contains itself", dir.display()));
             }
-            Ok(dir) => self.read(&dir, (path, name), loading),
+            Ok(dir) => self.read(&dir, path, name, loading),
         };
         self.answers.lock().entry(key).or_insert(answer).clone()
     }
@@ -176,7 +176,7 @@ impl Libraries {
         }
     }
 
-    fn read(&self, dir: &Path, (path, name): (&str, &str), loading: &Loading<'_>) -> Answer {
+    fn read(&self, dir: &Path, path: &str, name: &str, loading: &Loading<'_>) -> Answer {
         if let Some(parsed) = self.known.lock().get(dir) {
             return Ok(Arc::clone(parsed));
         }

@@ -48,6 +48,13 @@ struct Open {
     is_back: bool,
 }
 
+/// Time and kind of a call's end.
+#[derive(Debug, Clone, Copy)]
+struct Closing {
+    t_ns: u64,
+    end: CallEnd,
+}
+
 impl OpenCalls {
     /// Returns the containers with children that ran concurrently.
     pub(super) fn concurrent(&self) -> &BTreeSet<PlaceNumber> {
@@ -63,7 +70,12 @@ impl OpenCalls {
     pub(super) fn take(&mut self, entry: &Entry, places: &Places, mut ended: impl FnMut(Call)) {
         match &entry.record {
             Record::Entered { place, undoes, .. } => {
-                self.close(*place, (entry.t_ns, CallEnd::Dropped), places, &mut ended);
+                self.close(
+                    *place,
+                    Closing { t_ns: entry.t_ns, end: CallEnd::Dropped },
+                    places,
+                    &mut ended,
+                );
                 let around = places.parent(*place);
                 if let Some(outer) = around.filter(|_| self.has_open_in(around)) {
                     self.concurrent.insert(outer);
@@ -79,12 +91,17 @@ impl OpenCalls {
                     (None, None, OutcomeId::PREEMPTED) => CallEnd::Preempted,
                     (None, None, _) => CallEnd::Ended,
                 };
-                self.close(*place, (entry.t_ns, end), places, &mut ended);
+                self.close(*place, Closing { t_ns: entry.t_ns, end }, places, &mut ended);
             }
             Record::Told(event) => match &**event {
                 Event::Dropped { path } => {
                     if let Some(place) = places.number(path) {
-                        self.close(place, (entry.t_ns, CallEnd::Dropped), places, &mut ended);
+                        self.close(
+                            place,
+                            Closing { t_ns: entry.t_ns, end: CallEnd::Dropped },
+                            places,
+                            &mut ended,
+                        );
                     }
                 }
                 Event::Resumed { .. } => {
@@ -106,10 +123,11 @@ impl OpenCalls {
     fn close(
         &mut self,
         place: PlaceNumber,
-        (t_ns, end): (u64, CallEnd),
+        closing: Closing,
         places: &Places,
         ended: &mut impl FnMut(Call),
     ) {
+        let Closing { t_ns, end } = closing;
         let Some(at) = self.open.iter().rposition(|open| open.place == place) else { return };
         let is_inside = |inner: PlaceNumber| {
             std::iter::successors(places.parent(inner), |outer| places.parent(*outer))
