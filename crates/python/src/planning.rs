@@ -81,9 +81,9 @@ fn run(
     python: &Path,
     (cancel, events): (&Cancel, &Events),
 ) {
-    let surroundings = ProgramEnvironment::default();
-    let Ok(python) = Interpreter::choose(Some(python), &surroundings) else { return };
-    let planner = Planner { libraries, python: &python, surroundings: &surroundings };
+    let environment = ProgramEnvironment::default();
+    let Ok(python) = Interpreter::choose(Some(python), &environment) else { return };
+    let planner = Planner { libraries, python: &python, environment: &environment };
     let last = planner.plan(request, cancel, &mut |event| events.tell(&event));
     events.tell(&last);
 }

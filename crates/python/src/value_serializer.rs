@@ -93,7 +93,7 @@ fn reason(object: &Bound<'_, PyAny>, error: &PyErr) -> String {
     };
     let module = class.getattr("__module__").and_then(|module| module.extract::<String>());
     if module.is_ok_and(|module| is_script(&module)) {
-        return "its class stands in the script of a state, which no other process can import: \
+        return "its class is defined in the script of a state, which no other process can import: \
                 put the class into a module"
             .to_owned();
     }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Environment {
     /// Locations of runners and of the folders of runs.
-    pub(crate) surroundings: ProgramEnvironment,
+    pub(crate) locations: ProgramEnvironment,
     /// The folder of the programs' configuration: `XDG_CONFIG_HOME` or its default.
     pub(crate) config_home: Option<PathBuf>,
     /// `RAFCON_TOKEN`: a token for a server.
@@ -45,7 +45,7 @@ impl Environment {
     pub(crate) fn read() -> Self {
         let set = |name: &str| env::var_os(name).filter(|value| !value.is_empty());
         Self {
-            surroundings: ProgramEnvironment {
+            locations: ProgramEnvironment {
                 virtual_env: set("VIRTUAL_ENV").map(PathBuf::from),
                 extension: set("RAFCON_EXTENSION").map(PathBuf::from),
                 program: env::current_exe().ok().map(|file| file.canonicalize().unwrap_or(file)),

@@ -29,7 +29,7 @@ pub struct Settings {
     /// The interpreter of runs. `None`: selected by [`rafcon_supervisor::Interpreter::choose`].
     pub python: Option<PathBuf>,
     /// Environment in which interpreter and extension are searched.
-    pub surroundings: ProgramEnvironment,
+    pub environment: ProgramEnvironment,
     /// Silence of a holder of control after which another user may take over.
     pub control_silence: Duration,
     /// Looks up a variable of the environment, for paths in the configuration.
@@ -205,7 +205,7 @@ impl Settings {
             libraries: Vec::new(),
             config: None,
             python: None,
-            surroundings: ProgramEnvironment::default(),
+            environment: ProgramEnvironment::default(),
             control_silence: Duration::from_secs(30),
             variable: |_| None,
             tell: crate::log::say,

@@ -52,12 +52,12 @@ impl Interpreter {
     /// Selects an interpreter. `named` is `--python` or `RAFCON_PYTHON`.
     pub fn choose(
         named: Option<&Path>,
-        surroundings: &ProgramEnvironment,
+        environment: &ProgramEnvironment,
     ) -> Result<Self, NoInterpreter> {
         if let Some(program) = named {
             return Ok(Self { program: program.to_path_buf(), reason: Reason::Named });
         }
-        let Some(folder) = &surroundings.virtual_env else {
+        let Some(folder) = &environment.virtual_env else {
             return Ok(Self { program: "python3".into(), reason: Reason::Default });
         };
         let candidates = ["bin/python3", "bin/python"].map(|name| folder.join(name));
@@ -100,21 +100,21 @@ fn listed(places: &[PathBuf]) -> String {
 }
 
 /// Finds the extension's file: beside this program (a plain `cargo build`), in `../lib/rafcon` (an installation), or at `RAFCON_EXTENSION`.
-pub fn find_extension(surroundings: &ProgramEnvironment) -> Result<PathBuf, NoExtension> {
-    let places = places(surroundings);
+pub fn find_extension(environment: &ProgramEnvironment) -> Result<PathBuf, NoExtension> {
+    let places = places(environment);
     if let Some(found) = places.iter().find(|place| place.is_file()) {
         return Ok(found.clone());
     }
     Err(NoExtension { tried: places })
 }
 
-fn places(surroundings: &ProgramEnvironment) -> Vec<PathBuf> {
+fn places(environment: &ProgramEnvironment) -> Vec<PathBuf> {
     let name = format!("{DLL_PREFIX}rafcon_python{DLL_SUFFIX}");
-    let folder = surroundings.program.as_deref().and_then(|program| program.parent());
+    let folder = environment.program.as_deref().and_then(|program| program.parent());
     let installed =
         |folder: &Path| folder.parent().map(|prefix| prefix.join("lib/rafcon").join(&name));
     let beside = folder.map(|folder| folder.join(&name));
-    let places = [beside, folder.and_then(installed), surroundings.extension.clone()];
+    let places = [beside, folder.and_then(installed), environment.extension.clone()];
     places.into_iter().flatten().collect()
 }
 
@@ -125,11 +125,11 @@ mod tests {
     use std::path::Path;
 
     fn check(named: Option<&str>, virtual_env: Option<&Path>, expect: &Expect) {
-        let surroundings = ProgramEnvironment {
+        let environment = ProgramEnvironment {
             virtual_env: virtual_env.map(Into::into),
             ..ProgramEnvironment::default()
         };
-        let chosen = Interpreter::choose(named.map(Path::new), &surroundings);
+        let chosen = Interpreter::choose(named.map(Path::new), &environment);
         expect.assert_eq(&match chosen {
             Ok(interpreter) => format!("{interpreter}; {}", interpreter.way_out()),
             Err(error) => error.to_string(),
@@ -150,11 +150,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir(folder.path().join("bin")).unwrap();
         std::fs::write(folder.path().join("bin/python"), "").unwrap();
-        let surroundings = ProgramEnvironment {
+        let environment = ProgramEnvironment {
             virtual_env: Some(folder.path().to_path_buf()),
             ..ProgramEnvironment::default()
         };
-        let chosen = Interpreter::choose(None, &surroundings).unwrap();
+        let chosen = Interpreter::choose(None, &environment).unwrap();
         assert_eq!(chosen.program, folder.path().join("bin/python"));
     }
 
@@ -187,26 +187,26 @@ mod tests {
         }
         let program = folder.path().join("bin/rafcon");
         let extension = folder.path().join("elsewhere.so");
-        let surroundings = ProgramEnvironment {
+        let environment = ProgramEnvironment {
             program: Some(program),
             extension: Some(extension),
             ..ProgramEnvironment::default()
         };
-        (folder, surroundings)
+        (folder, environment)
     }
 
     #[test]
     fn it_is_found_beside_the_program_in_lib_or_where_the_variable_says() {
         for file in ["bin/librafcon_python.so", "lib/rafcon/librafcon_python.so", "elsewhere.so"] {
-            let (folder, surroundings) = installation(Some(file));
-            assert_eq!(find_extension(&surroundings).unwrap(), folder.path().join(file));
+            let (folder, environment) = installation(Some(file));
+            assert_eq!(find_extension(&environment).unwrap(), folder.path().join(file));
         }
     }
 
     #[test]
     fn a_missing_extension_names_every_place() {
-        let (folder, surroundings) = installation(None);
-        let message = find_extension(&surroundings).unwrap_err().to_string();
+        let (folder, environment) = installation(None);
+        let message = find_extension(&environment).unwrap_err().to_string();
         for file in ["bin/librafcon_python.so", "lib/rafcon/librafcon_python.so", "elsewhere.so"] {
             assert!(message.contains(&*folder.path().join(Path::new(file)).to_string_lossy()));
         }

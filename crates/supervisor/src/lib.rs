@@ -16,21 +16,21 @@
 
 pub mod clock;
 mod connection;
+pub mod crash_artifacts;
 pub mod descriptors;
 mod interpreter;
 pub mod planning;
 mod process;
-pub mod remains;
 mod restart_policy;
 mod ros_bridge;
 mod runs;
 
 pub use connection::{BeginError, JoinError, begin, connect, connect_once_listening};
+pub use crash_artifacts::{KeptRun, kept_machine, machine_of, policy_of, resume_launch};
 pub use interpreter::{
     Interpreter, NoExtension, NoInterpreter, ProgramEnvironment, find_extension,
 };
 pub use process::{Exit, Group, Process, Start, StartError, is_alive};
-pub use remains::{KeptRun, kept_machine, machine_of, policy_of, resume_launch};
 pub use restart_policy::{Next, RestartPolicy, RunnerDeath};
 pub use ros_bridge::{RosBridge, RosBridgeSettings};
 pub use runs::{FindError, MakeError, Runs, meant};

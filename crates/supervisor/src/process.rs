@@ -95,10 +95,10 @@ impl Start {
     /// Finds interpreter and extension. `named` selects an interpreter.
     pub fn find(
         named: Option<&Path>,
-        surroundings: &ProgramEnvironment,
+        environment: &ProgramEnvironment,
     ) -> Result<Self, StartError> {
-        let interpreter = Interpreter::choose(named, surroundings)?;
-        Ok(Self { interpreter, extension: find_extension(surroundings)? })
+        let interpreter = Interpreter::choose(named, environment)?;
+        Ok(Self { interpreter, extension: find_extension(environment)? })
     }
 
     /// Starts a runner for a caller with a terminal. `has_keys` means that its user can answer questions.

@@ -32,7 +32,7 @@ pub struct RosBridgeSettings {
     /// The interpreter of runs. `None`: selected by [`crate::Interpreter::choose`].
     pub python: Option<PathBuf>,
     /// Environment in which interpreter and extension are searched.
-    pub surroundings: ProgramEnvironment,
+    pub environment: ProgramEnvironment,
     /// Settings that it receives on its standard input, as JSON. They may contain secrets.
     pub told: serde_json::Value,
     /// Logs a line for the operator of the server.
@@ -124,7 +124,7 @@ fn started(
     settings: &RosBridgeSettings,
     news: &SyncSender<News>,
 ) -> Result<(Child, ChildStdin), String> {
-    let start = Start::find(settings.python.as_deref(), &settings.surroundings);
+    let start = Start::find(settings.python.as_deref(), &settings.environment);
     let start = start.map_err(|error| no_bridge(&error.to_string()))?;
     let mut command = Command::new(&start.interpreter.program);
     command
@@ -134,7 +134,7 @@ fn started(
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .process_group(0);
-    if let Some(program) = &settings.surroundings.program {
+    if let Some(program) = &settings.environment.program {
         command.env("RAFCON_BINARY", program);
     }
     // This process must not inherit a socket that another thread is passing to a runner.
@@ -233,7 +233,7 @@ mod tests {
         fs::set_permissions(&python, fs::Permissions::from_mode(0o700)).unwrap();
         let bridge = RosBridge::begin(RosBridgeSettings {
             python: Some(python.clone()),
-            surroundings: ProgramEnvironment {
+            environment: ProgramEnvironment {
                 extension: Some(python),
                 ..ProgramEnvironment::default()
             },

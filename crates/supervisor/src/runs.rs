@@ -87,10 +87,10 @@ pub enum FindError {
 
 impl Runs {
     /// The folder that the user names, or the default one.
-    pub fn new(named: Option<&Path>, surroundings: &ProgramEnvironment) -> Result<Self, MakeError> {
+    pub fn new(named: Option<&Path>, environment: &ProgramEnvironment) -> Result<Self, MakeError> {
         let usual = || {
-            let state = surroundings.state_home.clone();
-            let state = state.or_else(|| Some(surroundings.home.as_ref()?.join(".local/state")));
+            let state = environment.state_home.clone();
+            let state = state.or_else(|| Some(environment.home.as_ref()?.join(".local/state")));
             Some(state?.join("rafcon/runs"))
         };
         let folder = named.map(PathBuf::from).or_else(usual).ok_or(MakeError::NoHome)?;

@@ -18,7 +18,7 @@ use std::process::{Command, ExitCode, Stdio};
 /// Lists every problem; the exit code is 1 if one of them is an error.
 pub(super) fn check(raw: &cli::Check, environment: &Environment) -> Result<ExitCode> {
     let source = Source::new(&raw.path, &raw.libraries)?;
-    let interpreter = Interpreter::choose(raw.python.python.as_deref(), &environment.surroundings)?;
+    let interpreter = Interpreter::choose(raw.python.python.as_deref(), &environment.locations)?;
     let loaded = source.load()?;
     let texts = rafcon_check::scripts(&loaded.machine);
     let facts = read_scripts(&texts, &interpreter)?;

@@ -125,7 +125,7 @@ mod tests {
             on_robot(Some(2_200_000), Some(70_000), coming(None)),
             on_robot(Some(2_200_000), Some(70_000), coming(Some("the robot is gone"))),
             KeptAs::Pickle { bytes: 2_000_000 },
-            KeptAs::Nothing { reason: "its class stands in a script".to_owned() },
+            KeptAs::Nothing { reason: "its class is defined in a script".to_owned() },
         ];
         let words = kept.map(|kept| {
             let (type_name, view) = ("ndarray".to_owned(), serde_json::Value::Null);
@@ -139,6 +139,6 @@ mod tests {
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, the rest is on its way
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, and no more come: the robot is gone
             cloud: ndarray, 2.0 MB here
-            cloud: ndarray, not kept: its class stands in a script"]].assert_eq(&words.join("\n"));
+            cloud: ndarray, not kept: its class is defined in a script"]].assert_eq(&words.join("\n"));
     }
 }

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// The folder of all runs: from the user, or the default.
 pub(super) fn runs_folder(named: &cli::Runs, environment: &Environment) -> Result<Runs> {
-    Ok(Runs::new(named.runs.as_deref(), &environment.surroundings)?)
+    Ok(Runs::new(named.runs.as_deref(), &environment.locations)?)
 }
 
 /// The folder of the selected run.

@@ -10,7 +10,7 @@ pub(super) fn bridge(server: &Server, namespace: &str, frame: &str) -> Option<Ro
     let settings = server.state().settings();
     let begun = RosBridge::begin(RosBridgeSettings {
         python: settings.python.clone(),
-        surroundings: settings.surroundings.clone(),
+        environment: settings.environment.clone(),
         told: json!({
             "server": server.url(),
             "fingerprint": server.fingerprint(),

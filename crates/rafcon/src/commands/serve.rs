@@ -69,7 +69,7 @@ fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
     settings.config = raw.libraries.config.as_deref().map(std::path::absolute).transpose()?;
     settings.variable = environment::variable;
     settings.python.clone_from(&raw.python.python);
-    settings.surroundings = environment.surroundings.clone();
+    settings.environment = environment.locations.clone();
     settings.access.keep_token = raw.keep_token;
     settings.listen.address = raw.bind;
     settings.listen.hosts.clone_from(&raw.hosts);
@@ -81,10 +81,10 @@ fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {
 
 /// The server's own folder: from the user, or the default.
 pub(super) fn state(named: &cli::State, environment: &Environment) -> Result<PathBuf> {
-    let surroundings = &environment.surroundings;
+    let locations = &environment.locations;
     let usual = || {
-        let state = surroundings.state_home.clone();
-        let state = state.or_else(|| Some(surroundings.home.as_ref()?.join(".local/state")));
+        let state = locations.state_home.clone();
+        let state = state.or_else(|| Some(locations.home.as_ref()?.join(".local/state")));
         Some(state?.join("rafcon/server"))
     };
     let folder = named.folder.clone().or_else(usual);

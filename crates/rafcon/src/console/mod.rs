@@ -252,8 +252,9 @@ impl Console {
             keys.extend(["A abort", "R run again"]);
         }
         let is_held = snapshot.active.iter().any(|state| state.phase == Phase::Held);
-        let stands = is_held || matches!(snapshot.status, RunStatus::Paused | RunStatus::Stepping);
-        if stands {
+        let is_paused =
+            is_held || matches!(snapshot.status, RunStatus::Paused | RunStatus::Stepping);
+        if is_paused {
             keys.extend(["s step", "n over", "o out", "b back", "c continue"]);
         } else {
             keys.push("p pause");

@@ -226,7 +226,7 @@ fn strange_page(server: &ServerState, origin: &str, outer: &OuterAddress) -> Fai
     let name = name.rsplit_once(':').map_or(name, |(name, _port)| name);
     let message = format!(
         "this page was opened at {page}, but the server was called `{called}` and only accepts {accepted}: open one of these; if a \
-         proxy stands between, start the server with `--host {name} --trusted-proxy` and the proxy's address, and let the proxy \
+         proxy is in between, start the server with `--host {name} --trusted-proxy` and the proxy's address, and let the proxy \
          send X-Forwarded-Host and X-Forwarded-Proto"
     );
     Failure::forbidden("wrong_origin", message)

@@ -78,7 +78,7 @@ async fn make_plan(
         Failure::too_many("too_many_plans", message).retry_after(5)
     })?;
     let settings = &server.settings;
-    let python = Interpreter::choose(settings.python.as_deref(), &settings.surroundings);
+    let python = Interpreter::choose(settings.python.as_deref(), &settings.environment);
     let python = python.map_err(|error| Failure::unprocessable("no_python", error.to_string()))?;
     let (lines, received) = mpsc::channel(LINES);
     let cancel = Cancel::default();
@@ -86,8 +86,8 @@ async fn make_plan(
     tokio::task::spawn_blocking(move || {
         let _turn = turn;
         let libraries = server.projects.libraries();
-        let surroundings = &server.settings.surroundings;
-        let planner = Planner { libraries: &libraries, python: &python, surroundings };
+        let environment = &server.settings.environment;
+        let planner = Planner { libraries: &libraries, python: &python, environment };
         let tell = |event: &PlanEvent| {
             let Ok(mut line) = serde_json::to_vec(event) else { return };
             line.push(b'\n');

@@ -50,7 +50,7 @@ impl Python {
 }
 
 fn interpreter(settings: &Settings) -> Result<Interpreter, String> {
-    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.surroundings);
+    let interpreter = Interpreter::choose(settings.python.as_deref(), &settings.environment);
     interpreter.map_err(|error| error.to_string())
 }
 

@@ -352,7 +352,7 @@ pub(crate) async fn inspect(
         return Err(not_live(&run.summary().phase));
     }
     // Held until the connection is closed.
-    let _guest = run.guest().ok_or_else(|| {
+    let _permit = run.inspection_permit().ok_or_else(|| {
         let message = "too many ask what states of this run hold: wait for their answers";
         Failure::too_many("too_many_questions", message).retry_after(1)
     })?;

@@ -91,7 +91,7 @@ pub(super) fn launch(
     folder: &Path,
     launch: Launch,
 ) -> Result<Launched, LaunchError> {
-    let start = Start::find(settings.python.as_deref(), &settings.surroundings)?;
+    let start = Start::find(settings.python.as_deref(), &settings.environment)?;
     let output = folder.join(OUTPUT_FILE);
     let before = events(folder);
     let process = start.spawn_detached(&output)?;

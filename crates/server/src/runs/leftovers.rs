@@ -5,7 +5,7 @@ use crate::Failure;
 use rafcon_protocol::api::RunOutput;
 use rafcon_protocol::{Answer, Command, Event};
 use rafcon_storage::journal::{Reader, Record};
-use rafcon_supervisor::{Exit, RunnerDeath, remains};
+use rafcon_supervisor::{Exit, RunnerDeath, crash_artifacts};
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -68,7 +68,7 @@ pub(super) fn death(folder: &Path, exit: Option<Exit>) -> RunnerDeath {
     let is_cut_off = matches!(by, Some(Event::CutOff { .. })) || exit.is_some_and(Exit::is_cut_off);
     let is_wanted = by.is_some_and(is_kill) || exit.is_some_and(Exit::is_stopped);
     let said = last_lines(&folder.join(OUTPUT_FILE), LINES);
-    RunnerDeath { reason, active: remains::running(folder), said, is_cut_off, is_wanted }
+    RunnerDeath { reason, active: crash_artifacts::running(folder), said, is_cut_off, is_wanted }
 }
 
 fn is_kill(event: &Event) -> bool {

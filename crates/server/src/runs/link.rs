@@ -222,7 +222,7 @@ async fn read(
 /// Handles a message of the runner that is not an event.
 fn said(content: &[u8], run: &Run, link: &Link) {
     match serde_json::from_slice::<ToViewer>(content) {
-        Ok(ToViewer::Snapshot(snapshot)) => run.stands(snapshot),
+        Ok(ToViewer::Snapshot(snapshot)) => run.set_snapshot(snapshot),
         Ok(ToViewer::Answer { id, answer }) => link.answered(&id, &answer),
         Ok(ToViewer::Pong { engine: Some(engine), .. }) => run.engine_answers(engine),
         Ok(ToViewer::Pong { link: Some(link), .. }) => run.robot_stands(*link),

@@ -80,7 +80,7 @@ impl Runs {
     /// The runs in the folder of the settings, before it is read.
     pub(crate) fn new(settings: &Settings, news: &ChangeCounters) -> Result<Self, MakeError> {
         Ok(Self {
-            folder: Folder::new(Some(&settings.runs), &settings.surroundings)?,
+            folder: Folder::new(Some(&settings.runs), &settings.environment)?,
             all: Mutex::default(),
             requests: StartRequests::default(),
             launches: Arc::new(Semaphore::new(LAUNCHES)),

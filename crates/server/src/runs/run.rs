@@ -29,7 +29,7 @@ use tokio::time::timeout;
 const LINK_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Maximum number of parallel inspections of active states. Each uses one of the few connections of the runner.
-const GUESTS: usize = 4;
+const PARALLEL_INSPECTIONS: usize = 4;
 
 /// One run with its shared state.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ pub(crate) struct Run {
     notes: AtomicU64,
     /// Time of the last report to the robot of a replica that the holder of control is active.
     presence_ms: AtomicU64,
-    guests: Semaphore,
+    inspections: Semaphore,
     audience: Onlookers,
     watched: RunWatched,
     /// Held while the state of control is written.
@@ -109,7 +109,7 @@ impl Run {
             is_stopped_by_force: AtomicBool::new(false),
             notes: AtomicU64::new(0),
             presence_ms: AtomicU64::new(0),
-            guests: Semaphore::new(GUESTS),
+            inspections: Semaphore::new(PARALLEL_INSPECTIONS),
             audience: Onlookers::default(),
             watched: RunWatched::default(),
             keeping: Mutex::default(),
@@ -205,8 +205,8 @@ impl Run {
     }
 
     /// A permit to inspect an active state, held until dropped. `None` if too many are in use.
-    pub(super) fn guest(&self) -> Option<SemaphorePermit<'_>> {
-        self.guests.try_acquire().ok()
+    pub(super) fn inspection_permit(&self) -> Option<SemaphorePermit<'_>> {
+        self.inspections.try_acquire().ok()
     }
 
     /// Sets the receiver of the exit of its process, which this server started.
@@ -348,7 +348,7 @@ impl Run {
     }
 
     /// Applies a snapshot from its runner.
-    pub(super) fn stands(&self, snapshot: Snapshot) {
+    pub(super) fn set_snapshot(&self, snapshot: Snapshot) {
         let (at, waits) = (clock::since_1970_ms(), RunWait::of(&snapshot));
         let mut is_news = false;
         self.now.send_modify(|now| {

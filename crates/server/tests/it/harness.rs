@@ -232,7 +232,7 @@ fn settings(place: &Path, change: impl FnOnce(&mut Settings)) -> Settings {
     settings.projects = vec![project];
     settings.access.cost = CHEAP;
     settings.config = Some(config(place));
-    settings.surroundings.home = Some(place.to_owned());
+    settings.environment.home = Some(place.to_owned());
     settings.listen.address = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     change(&mut settings);
     settings

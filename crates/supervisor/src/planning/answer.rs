@@ -33,7 +33,7 @@ pub struct Planner<'p> {
     /// Python interpreter that also executes runs.
     pub python: &'p Interpreter,
     /// Environment in which the engine is searched.
-    pub surroundings: &'p ProgramEnvironment,
+    pub environment: &'p ProgramEnvironment,
 }
 
 /// The domain of a pool's skills, with findings.
@@ -205,7 +205,7 @@ impl Planner<'_> {
         (cancel, tell): (&Cancel, &mut dyn FnMut(PlanEvent)),
     ) -> Result<(SearchEnd, usize), String> {
         let name = request.engine.as_deref().unwrap_or(DEFAULT_ENGINE);
-        let engine = Engine::find(name, self.python, self.surroundings);
+        let engine = Engine::find(name, self.python, self.environment);
         let folder = tempfile::tempdir()
             .map_err(|error| format!("cannot make a folder for the engine: {error}"))?;
         let (domain, problem) =

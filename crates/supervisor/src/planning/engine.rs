@@ -58,10 +58,10 @@ pub(super) struct PlanRequest<'w> {
 
 impl Engine {
     /// The engine with this name. `python` is the interpreter of runs; a program beside it is preferred.
-    pub fn find(name: &str, python: &Interpreter, surroundings: &ProgramEnvironment) -> Self {
+    pub fn find(name: &str, python: &Interpreter, environment: &ProgramEnvironment) -> Self {
         if name == DEFAULT_ENGINE {
             let beside = python.program.parent().map(|folder| folder.join("kairos"));
-            let active = surroundings.virtual_env.as_ref().map(|folder| folder.join("bin/kairos"));
+            let active = environment.virtual_env.as_ref().map(|folder| folder.join("bin/kairos"));
             let found = [beside, active].into_iter().flatten().find(|program| program.is_file());
             return Self {
                 name: name.to_owned(),

@@ -52,11 +52,11 @@ impl World {
         cancel: &Cancel,
         tell: &mut dyn FnMut(&PlanEvent),
     ) -> Vec<PlanEvent> {
-        let surroundings = ProgramEnvironment::default();
+        let environment = ProgramEnvironment::default();
         let python =
-            Interpreter::choose(Some(&self.folder.path().join("python3")), &surroundings).unwrap();
+            Interpreter::choose(Some(&self.folder.path().join("python3")), &environment).unwrap();
         let planner =
-            Planner { libraries: &self.libraries, python: &python, surroundings: &surroundings };
+            Planner { libraries: &self.libraries, python: &python, environment: &environment };
         let mut events = Vec::new();
         let last = planner.plan(request, cancel, &mut |event| {
             tell(&event);

@@ -34,10 +34,10 @@ pub(super) fn plan(raw: &cli::Plan, environment: &Environment) -> Result<ExitCod
     if let Some(out) = &raw.out {
         super::new::check_free(out)?;
     }
-    let python = Interpreter::choose(raw.python.python.as_deref(), &environment.surroundings)?;
+    let python = Interpreter::choose(raw.python.python.as_deref(), &environment.locations)?;
     let cancel = cancelled_by_signals()?;
     let planner =
-        Planner { libraries: &libraries, python: &python, surroundings: &environment.surroundings };
+        Planner { libraries: &libraries, python: &python, environment: &environment.locations };
     let mut best: Option<PlanFound> = None;
     let last = planner.plan(&request, &cancel, &mut |event| {
         if raw.json {

@@ -15,7 +15,7 @@ use anyhow::{Context as _, Result};
 use rafcon_protocol::{Event, Launch};
 use rafcon_storage::journal::folder::{ABOUT_FILE, EndValues};
 use rafcon_supervisor::clock::salt;
-use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, Start, remains};
+use rafcon_supervisor::{KeptRun, Next, RestartPolicy, RunnerDeath, Start, crash_artifacts};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::Duration;
@@ -89,7 +89,7 @@ impl RunSetup<'_> {
         names: &Rc<dyn Fn() -> Names>,
     ) -> Result<End> {
         let Self { python, output, timeout, environment, clock } = self;
-        let start = Start::find(python.python.as_deref(), &environment.surroundings)?;
+        let start = Start::find(python.python.as_deref(), &environment.locations)?;
         let keyboard = keyboard(output, environment, false);
         let has_keys = keyboard.is_some();
         let mut view = view(output, environment, names(), keyboard);
@@ -152,7 +152,7 @@ fn again(
 fn end_as_kept(run: &mut RunLoop, end: &mut End, place: &Place) -> Result<()> {
     if let End::Died(_) = end
         && place.is_kept()
-        && let Some((time, event)) = remains::kept_end(place.folder())
+        && let Some((time, event)) = crash_artifacts::kept_end(place.folder())
         && let Event::Finished { outcome, .. } = &event
     {
         *end = End::Finished { outcome: outcome.clone(), timed_out: false };
@@ -176,7 +176,7 @@ fn show_end_values(run: &mut RunLoop, end: &End, place: &Place) -> Result<()> {
 /// written before its script begins.
 fn add_running(end: &mut End, folder: &Path) {
     if let End::Killed { active, .. } | End::Died(RunnerDeath { active, .. }) = end {
-        let running = remains::running(folder);
+        let running = crash_artifacts::running(folder);
         if !running.is_empty() {
             *active = running;
         }

@@ -3,7 +3,7 @@
 use crate::failure::complain;
 use crate::follow::End;
 use crate::view::Names;
-use rafcon_supervisor::{RunnerDeath, remains};
+use rafcon_supervisor::{RunnerDeath, crash_artifacts};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -19,8 +19,10 @@ pub(super) fn end(
         return;
     }
     let mut names = names();
-    let logged =
-        end.active().zip(folder).map(|(active, folder)| remains::last_logged(folder, active));
+    let logged = end
+        .active()
+        .zip(folder)
+        .map(|(active, folder)| crash_artifacts::last_logged(folder, active));
     complain(&(text(end, &mut names) + &said(&logged.unwrap_or_default(), &mut names)));
     if let (End::Died(_) | End::Killed { .. }, Some(run)) = (end, run) {
         complain(&way_out(run));
