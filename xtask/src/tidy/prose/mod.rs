@@ -116,8 +116,11 @@ mod tests {
     #[test]
     fn a_file_is_measured_in_every_way() {
         let mut measures = Measures::default();
-        let text = "//! Whoever reads this.\n/// Plain text about a timeout.\n\nstruct A {\n    /// The ink.\n    \
-                    ink: u8,\n}\nfn f((a, b): (u8, u8)) {\n    bail!(\"it says nothing to the user\")\n}\n";
+        let text = concat!(
+            "//! Whoever reads this.\n/// Plain text about a timeout.\n\n",
+            "struct A {\n    /// The ink.\n    ink: u8,\n}\n",
+            "fn f((a, b): (u8, u8)) {\n    bail!(\"it says nothing to the user\")\n}\n",
+        );
         let hits = add_file(&mut measures, Path::new("crates/a/src/lib.rs"), text);
         let share = |hits, total| Share { hits, total };
         assert_eq!(measures.comments, share(1, 3));
