@@ -96,11 +96,11 @@ pub struct DataFlow {
     pub id: DataFlowId,
     /// The state of the source port.
     pub from_state: StateId,
-    /// The source port.
+    /// An output of a child, or an input or scoped variable of the container.
     pub from_port: PortId,
     /// The state of the target port.
     pub to_state: StateId,
-    /// The target port.
+    /// An input of a child, or an output or scoped variable of the container.
     pub to_port: PortId,
     /// Unknown keys of the file.
     pub extra: Extra,

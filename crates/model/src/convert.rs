@@ -8,7 +8,7 @@ use smol_str::{SmolStr, format_smolstr};
 /// The meaning of a value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conversion {
-    /// This value.
+    /// The value, converted to the type if it was a text.
     Value(Value),
     /// The value that the global variable of this name has when the state runs.
     Global(SmolStr),

@@ -228,7 +228,7 @@ mod tests {
     }
 
     proptest! {
-        /// The lists by source and target are what a look at each data flow gives, with an index and without.
+        /// The lists by source and target equal those of a scan of all data flows, with an index and without.
         #[test]
         fn every_list_is_complete(steps in proptest::collection::vec((1..80i64, 0..9u8, 0..9u8, 0..3u8), 0..160)) {
             let mut flows = DataFlows::default();

@@ -19,11 +19,11 @@ pub enum Difference {
 pub enum Aspect {
     /// Name, description, kind, outcomes, ports, transitions, data flows, library reference, unknown keys.
     Core,
-    /// The script's text.
+    /// Text of the script of an execution state or decider.
     Script,
-    /// Semantic data.
+    /// Nested notes of the user, [`State::semantic_data`](crate::State::semantic_data).
     SemanticData,
-    /// Layout.
+    /// Positions and sizes on the screen.
     Layout,
 }
 

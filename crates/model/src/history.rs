@@ -26,7 +26,7 @@ use smol_str::SmolStr;
 #[derive(Debug, Clone, Default)]
 pub struct History {
     steps: Vec<HistoryStep>,
-    /// The current step.
+    /// The last step that is done; `None` if no step is done.
     current: Option<StepId>,
     /// The step that redo applies at the beginning.
     first: Option<StepId>,
@@ -36,7 +36,7 @@ pub struct History {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct StepId(pub usize);
 
-/// One named step.
+/// An edit of a [`History`], done or undone.
 #[derive(Debug, Clone)]
 pub struct HistoryStep {
     /// The previous step; `None` at the beginning.
@@ -108,12 +108,12 @@ impl History {
         self.next().and_then(|id| self.step(id)).map(|step| step.name.as_str())
     }
 
-    /// The current step.
+    /// The step that undo would undo; `None` if there is none.
     pub fn current(&self) -> Option<StepId> {
         self.current
     }
 
-    /// A step.
+    /// The step with this number; `None` if it does not exist.
     pub fn step(&self, id: StepId) -> Option<&HistoryStep> {
         self.steps.get(id.0)
     }

@@ -102,7 +102,7 @@ impl OutcomeId {
     }
 }
 
-/// Makes state ids of six upper-case letters. The same seed gives the same ids, so that the caller controls randomness.
+/// Makes state ids of six upper-case letters. Equal seeds give equal ids, so that the caller controls randomness.
 #[derive(Debug, Clone)]
 pub struct Fresh(u64);
 
@@ -112,7 +112,7 @@ impl Fresh {
         Self(seed)
     }
 
-    /// A free id.
+    /// The next id for which `taken` is false.
     pub fn id(&mut self, taken: impl Fn(&StateId) -> bool) -> StateId {
         loop {
             let id = self.letters();

@@ -9,14 +9,14 @@ const SECONDS_MAX: f64 = 365.0 * 86_400.0;
 /// The silence that the policy measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Loss {
-    /// The time since the ground was heard.
+    /// The time since the last contact with the ground.
     Link,
     /// The time since someone gave a command.
     Command,
 }
 
 impl Loss {
-    /// Both.
+    /// Both kinds, the link first.
     pub const ALL: [Self; 2] = [Self::Link, Self::Command];
 
     /// The entry of the semantic data with the policy.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct Machine {
     /// The header of its file.
     pub header: Header,
-    /// The outermost state.
+    /// The outermost state, which contains all others.
     pub root: Arc<State>,
 }
 

@@ -25,7 +25,7 @@ pub struct Port {
     pub id: PortId,
     /// Unique in its own kind.
     pub name: SmolStr,
-    /// The declared type.
+    /// Declared type of its values; [`DataType::None`] if none is declared.
     pub data_type: DataType,
     /// The value in the file. A string for another type is raw text, converted when a run starts; a string that starts
     /// with `$` names a global variable.
@@ -52,9 +52,9 @@ impl Port {
 pub trait Element: Clone {
     /// The type of its id.
     type Id: Copy + Ord;
-    /// Its id.
+    /// Id, unique in its list.
     fn id(&self) -> Self::Id;
-    /// Its name.
+    /// Name, for people and scripts.
     fn name(&self) -> &SmolStr;
 }
 

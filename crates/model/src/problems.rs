@@ -16,7 +16,7 @@ pub struct Problem {
     pub path: StatePath,
     /// The part of the state.
     pub part: Part,
-    /// The rule.
+    /// The broken rule, with severity and remedy.
     pub rule: Rule,
     /// The fault, for the user.
     pub what: String,
@@ -45,8 +45,8 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Every rule that the machine breaks, state by state from the root down. Never fails and never panics, whatever the
-/// machine looks like. Checks the content of a library once, however many states use it.
+/// Every rule that the machine breaks, state by state from the root down. Never fails and never panics, also for a machine that is
+/// broken in every part. Checks the content of a library once, however many states use it.
 ///
 /// ```
 /// use rafcon_model::{BuiltinTypes, problems};

@@ -68,7 +68,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         few.chain(self.many().into_iter().flat_map(OrdMap::iter))
     }
 
-    /// The keys, sorted.
+    /// The keys in ascending order.
     pub fn keys(&self) -> impl DoubleEndedIterator<Item = &K> + Clone {
         self.iter().map(|(key, _)| key)
     }
@@ -106,7 +106,7 @@ impl<K: Ord + Clone, V: Clone> Sorted<K, V> {
         }
     }
 
-    /// The last entry.
+    /// The entry with the greatest key; `None` if there are no entries.
     pub fn last(&self) -> Option<(&K, &V)> {
         self.iter().next_back()
     }

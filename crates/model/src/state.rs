@@ -19,13 +19,13 @@ pub struct State {
     pub id: StateId,
     /// For people; at least one character, no `/`.
     pub name: SmolStr,
-    /// For people; Markdown.
+    /// Markdown, for people; `None` if there is no description.
     pub description: Option<Arc<str>>,
     /// The ways to end; always with aborted (-1) and preempted (-2).
     pub outcomes: Outcomes,
-    /// The inputs.
+    /// Ports for the values that it receives when it is entered.
     pub inputs: Ports,
-    /// The outputs.
+    /// Ports for the values that it returns when it ends.
     pub outputs: Ports,
     /// Nested notes of the user, keys are strings; `None` when there are none.
     pub semantic_data: Option<Arc<Json>>,
@@ -42,7 +42,7 @@ pub struct State {
 /// The five kinds of states of the reference, and the decider of a barrier.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
-    /// Runs a script.
+    /// Runs a script, which returns the outcome.
     Execution(Script),
     /// Runs a script that decides how its barrier ends.
     Decider(Script),
@@ -59,17 +59,17 @@ pub enum Kind {
 /// A kind without content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum KindName {
-    /// See [`Kind::Execution`].
+    /// See [`Kind::Execution`]: a script.
     Execution,
-    /// See [`Kind::Decider`].
+    /// See [`Kind::Decider`]: the script of a barrier.
     Decider,
-    /// See [`Kind::Hierarchy`].
+    /// See [`Kind::Hierarchy`]: children in sequence.
     Hierarchy,
-    /// See [`Kind::Barrier`].
+    /// See [`Kind::Barrier`]: concurrent children; waits for all.
     Barrier,
-    /// See [`Kind::Preemptive`].
+    /// See [`Kind::Preemptive`]: concurrent children; the first ends all.
     Preemptive,
-    /// See [`Kind::Library`].
+    /// See [`Kind::Library`]: another state machine.
     Library,
 }
 
@@ -244,7 +244,7 @@ impl Layout {
         Self(Some(text.into()))
     }
 
-    /// A layout from a document; none from an empty object.
+    /// A layout from a document. An empty object makes a layout without text.
     pub fn from_json(document: &Json) -> Self {
         match document {
             Json::Object(members) if members.is_empty() => Self(None),
@@ -269,11 +269,11 @@ pub type States = Sorted<StateId, Arc<State>>;
 /// Children and the lines between them. Cloning shares everything.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Container {
-    /// The children.
+    /// The child states, sorted by id.
     pub states: States,
     /// The transitions between the children.
     pub transitions: Transitions,
-    /// The data flows.
+    /// The data flows between ports of the children and the container.
     pub data_flows: DataFlows,
     /// Variables that the children share through data flows.
     pub scoped_variables: Ports,

@@ -221,7 +221,7 @@ mod tests {
     }
 
     proptest! {
-        /// The lists by origin, source and target are what a look at each transition gives, with an index and without.
+        /// The lists by origin, source and target equal those of a scan of all transitions, with an index and without.
         #[test]
         fn every_list_is_complete(steps in proptest::collection::vec((a_transition(), 0..3u8), 0..160)) {
             let mut transitions = Transitions::default();

@@ -9,23 +9,23 @@ use std::fmt;
 pub enum DataType {
     /// `NoneType`: no type is declared.
     None,
-    /// `bool`
+    /// Python's `bool`, also accepted as `int`.
     Bool,
-    /// `int`
+    /// Python's `int`, of any size.
     Int,
-    /// `float`
+    /// Python's `float`, a 64-bit number.
     Float,
-    /// `str`
+    /// Python's `str`, a text.
     Str,
-    /// `list`
+    /// Python's `list`, of any items.
     List,
-    /// `tuple`
+    /// Python's `tuple`, of any items.
     Tuple,
-    /// `dict`
+    /// Python's `dict`, of any entries.
     Dict,
-    /// `set`
+    /// Python's `set`, of any items.
     Set,
-    /// `object`: anything.
+    /// Python's `object`: any value fits.
     Object,
     /// Any other type, by its dotted Python name (`numpy.ndarray`, `builtins.bytes`).
     Named(SmolStr),
@@ -117,7 +117,7 @@ impl fmt::Display for DataType {
 /// An answer about types. *Unknown* is a note for the user, never a reason to refuse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
-    /// It holds.
+    /// The relation of the two types holds.
     Yes,
     /// It does not hold.
     No,
@@ -141,8 +141,8 @@ impl Types for BuiltinTypes {
     }
 }
 
-/// True if a data flow may lead from a port of type `from` to one of type `to` (`docs/format.md`, data flows): the same
-/// type, a subclass, or `object` at either end. `int` does not flow to `float`.
+/// Decides if a data flow may lead from a port of type `from` to one of type `to` (`docs/format.md`, data flows): both types are
+/// equal, `from` is a subclass of `to`, or either is `object`. `int` does not flow to `float`.
 pub fn may_flow(from: &DataType, to: &DataType, types: &dyn Types) -> Answer {
     if from == to || *from == DataType::Object || *to == DataType::Object {
         return Answer::Yes;

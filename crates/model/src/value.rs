@@ -14,22 +14,22 @@ const ITEMS: &str = "items";
 /// Cloning is cheap: anything large is shared.
 #[derive(Debug, Clone, Default)]
 pub enum Value {
-    /// `None`
+    /// `None`, also the default of this type
     #[default]
     None,
-    /// `bool`
+    /// `bool`: either `True` or `False`
     Bool(bool),
     /// `int` of up to 64 bits
     Int(i64),
     /// `int` beyond 64 bits, as decimal digits
     BigInt(SmolStr),
-    /// `float`
+    /// `float`, also `nan` and the infinities
     Float(f64),
-    /// `str`
+    /// `str`, shared by clones of the value
     Str(Arc<str>),
-    /// `list`
+    /// `list`, shared by clones of the value
     List(Arc<[Self]>),
-    /// `tuple`
+    /// `tuple`, shared by clones of the value
     Tuple(Arc<[Self]>),
     /// `set`, in the order of the file
     Set(Arc<[Self]>),
@@ -67,7 +67,7 @@ pub(crate) fn same_float(a: f64, b: f64) -> bool {
 }
 
 impl Value {
-    /// A string value.
+    /// Makes a `str` value with a copy of the text.
     pub fn str(text: &str) -> Self {
         Self::Str(text.into())
     }

@@ -8,7 +8,7 @@ use crate::{OutcomeId, StatePath};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path}, {part}: {what}; {}", .rule.way_out())]
 pub struct EditError {
-    /// The state.
+    /// Path of the state that the rule is about, even if no such state exists.
     pub path: StatePath,
     /// The part of the state.
     pub part: Part,

@@ -1,4 +1,4 @@
-//! Removes the positions of removed elements from layouts, so that a later element with the same id does not inherit them.
+//! Removes the positions of removed elements from layouts. A later element with an equal id does not inherit them.
 
 use super::place::LayoutElement;
 use super::step::{Field, Set, Step};

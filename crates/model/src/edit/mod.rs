@@ -83,7 +83,7 @@ pub enum Edit {
 /// A change of a state itself.
 #[derive(Debug, Clone, PartialEq)]
 pub enum StateEdit {
-    /// Changes its name.
+    /// Sets the name, which needs at least one character and no `/`.
     SetName(SmolStr),
     /// Changes its id; its connections follow.
     SetId(StateId),
@@ -104,7 +104,7 @@ pub enum StateEdit {
 pub enum OutcomeEdit {
     /// Adds it with this name.
     Add(SmolStr),
-    /// Changes its name.
+    /// Sets the name, unique among the outcomes of the state.
     Rename(SmolStr),
     /// Removes it with its transitions.
     Remove,
@@ -113,20 +113,20 @@ pub enum OutcomeEdit {
 /// A change of a port or scoped variable.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PortEdit {
-    /// Adds it.
+    /// Adds a port or scoped variable with the id of the edit.
     Add {
-        /// Its name.
+        /// Name, unique among the ports of its kind.
         name: SmolStr,
-        /// Its type.
+        /// Declared type of its values.
         data_type: DataType,
         /// Its default; a text is converted to the type when a run starts.
         default: Value,
     },
-    /// Changes its name.
+    /// Sets the name, unique among the ports of its kind.
     Rename(SmolStr),
     /// Changes its type; a default that does not fit is refused, unless one batch sets both, default first.
     SetType(DataType),
-    /// Changes its default.
+    /// Sets the default, which must fit the type.
     SetDefault(Value),
     /// Removes it with its data flows.
     Remove,
@@ -135,36 +135,36 @@ pub enum PortEdit {
 /// A change of a transition.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TransitionEdit {
-    /// Adds it.
+    /// Adds a transition with the id of the edit.
     Add {
-        /// Where it begins.
+        /// The income of the container, or an outcome of a child.
         from: Origin,
-        /// Where it leads.
+        /// The income of a child, or an outcome of the container.
         to: Target,
     },
-    /// Changes its beginning.
+    /// Moves the beginning to another origin.
     SetOrigin(Origin),
-    /// Changes its target.
+    /// Moves the end to another target.
     SetTarget(Target),
-    /// Removes it.
+    /// Removes the transition from the container.
     Remove,
 }
 
 /// A change of a data flow. An end is a state (a child or the container) and one of its ports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum DataFlowEdit {
-    /// Adds it.
+    /// Adds a data flow with the id of the edit.
     Add {
-        /// Where it begins.
+        /// Source: state and port.
         from: (StateId, PortId),
-        /// Where it ends.
+        /// Target: state and port.
         to: (StateId, PortId),
     },
-    /// Changes its beginning.
+    /// Moves the beginning to another port.
     SetSource((StateId, PortId)),
-    /// Changes its end.
+    /// Moves the end to another port.
     SetTarget((StateId, PortId)),
-    /// Removes it.
+    /// Removes the data flow from the container.
     Remove,
 }
 
@@ -175,7 +175,7 @@ pub enum RuntimeValueEdit {
     Set(Value),
     /// Uses the value, or the default of the library.
     SetUsed(bool),
-    /// Removes the value.
+    /// Removes the value, so that the library's default applies.
     Remove,
 }
 
@@ -197,7 +197,7 @@ pub enum ChildrenEdit {
         scoped_variables: Vec<PortId>,
         /// The id of the new hierarchy.
         id: StateId,
-        /// Its name.
+        /// Name of the new hierarchy.
         name: SmolStr,
     },
     /// Replaces a container by its children.
@@ -207,26 +207,26 @@ pub enum ChildrenEdit {
         /// Ids for children whose own id is taken, used in turn.
         fresh: Vec<StateId>,
     },
-    /// Replaces a state by another. Connections follow where outcomes have the same name, and ports the same name
-    /// and type; defaults follow, too.
+    /// Replaces a state by another. A connection is kept if the other state has an outcome with an equal name, or a port with an
+    /// equal name and type. Such ports also keep defaults and runtime values.
     Substitute {
         /// The state to replace.
         state: StateId,
-        /// The new state.
+        /// The replacement. Its id is free, or that of the replaced state.
         by: Arc<State>,
     },
     /// Moves states to another container, with the connections between them.
     Move {
         /// The states that move.
         states: Vec<StateId>,
-        /// The other container.
+        /// Path of the container that receives the states.
         to: StatePath,
         /// New ids, in the order of `states`; those without one keep theirs.
         ids: Vec<StateId>,
     },
     /// Adds copies of states, see [`copy`].
     Paste {
-        /// The copied states.
+        /// The copied states and their connections.
         selection: Selection,
         /// New ids, in the order of the selection; those without one keep theirs.
         ids: Vec<StateId>,
@@ -240,6 +240,6 @@ pub enum HeaderEdit {
     SetVersion(Option<SmolStr>),
     /// Sets the layout of the machine as a whole.
     SetLayout(Layout),
-    /// Sets everything.
+    /// Replaces the whole header.
     Set(Header),
 }

@@ -30,13 +30,13 @@ pub enum LayoutElement {
 /// A change of a state's layout. Points are (x, y), y downwards, in the coordinates of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LayoutEdit {
-    /// Moves an element.
+    /// Sets the position of an element.
     SetPosition(LayoutElement, (f64, f64)),
     /// Sets the width and height of a state or its name.
     SetSize(LayoutElement, (f64, f64)),
     /// Sets the points between the ends of a transition or data flow.
     SetWaypoints(LayoutElement, Vec<(f64, f64)>),
-    /// Sets everything.
+    /// Replaces the whole layout document.
     Set(Layout),
 }
 
@@ -55,7 +55,7 @@ impl LayoutElement {
         point(self.find(layout, SIZE)?)
     }
 
-    /// Its points in a layout document; none if that has none.
+    /// Its points in a layout document. Empty if the document has none.
     pub fn waypoints(self, layout: &Json) -> Vec<(f64, f64)> {
         let points = self.find(layout, WAYPOINTS).and_then(items);
         points.into_iter().flatten().filter_map(point).collect()

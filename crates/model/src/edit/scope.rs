@@ -74,7 +74,7 @@ impl<'m> Scope<'m> {
         self.places.extend(twins.map(|twin| (self.at.clone(), Part::Transition(twin.id))));
     }
 
-    /// Data flows between the same ports.
+    /// Other data flows between the ports of this one.
     fn data_flow_twins(&mut self, id: DataFlowId) {
         let Some(container) = self.state.container() else { return };
         let Some(flow) = container.data_flows.get(id) else { return };
@@ -89,7 +89,7 @@ impl<'m> Scope<'m> {
         self.places.push((self.at.child(id.clone()), Part::State));
     }
 
-    /// The connections of a child, which are the same before and after it is added.
+    /// The connections of a child. Adding or removing the child does not change them.
     fn connections(&mut self, id: &StateId) {
         let Some(container) = self.state.container() else { return };
         let connections = connections_of(container, id);
@@ -118,14 +118,14 @@ impl<'m> Scope<'m> {
         self.outside_of_state();
     }
 
-    /// Outcomes with the same name.
+    /// Other outcomes with the name of this one.
     fn outcome_twins(&mut self, id: OutcomeId) {
         let outcomes = &self.state.outcomes;
         let twins = outcomes.get(id).into_iter().flat_map(|outcome| named(outcomes, outcome));
         self.places.extend(twins.map(|twin| (self.at.clone(), Part::Outcome(twin.id))));
     }
 
-    /// Ports with the same name or id.
+    /// Ports of its kind with an equal name, and ports of other kinds with an equal id.
     fn port_twins(&mut self, kind: PortKind, id: PortId) {
         for other in PortKind::ALL {
             let Some(ports) = other.of(self.state) else { continue };
@@ -165,7 +165,7 @@ impl<'m> Scope<'m> {
     }
 }
 
-/// The other elements with the same name.
+/// Other elements with the name of this one.
 fn named<'s, T: Element<Id: PartialEq> + 's>(
     list: &'s Elements<T>,
     one: &'s T,
@@ -199,7 +199,7 @@ impl<'m> Walk<'m> {
         Self { machine, way: Vec::new() }
     }
 
-    /// The state at the path `ids` and its parent. Does not look into libraries.
+    /// The state at the path `ids` and its parent. Does not search libraries.
     pub(super) fn find(&mut self, ids: &[StateId]) -> Option<(Option<&'m State>, &'m State)> {
         let known = self.way.iter().zip(ids).take_while(|(state, id)| state.id == **id).count();
         self.way.truncate(known);

@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub struct Selection {
     /// The id of the container.
     pub container: StateId,
-    /// The states.
+    /// The copied states, with everything inside them.
     pub states: Vec<Arc<State>>,
     /// Scoped variables of the container.
     pub scoped_variables: Vec<Port>,

@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// Sets one part of one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// The state.
+    /// Path of the state. Irrelevant for [`Set::Header`].
     pub at: StatePath,
-    /// The new value.
+    /// The part to set, and its new value.
     pub set: Set,
 }
 
@@ -28,11 +28,11 @@ pub enum Set {
     Child(StateId, Option<Arc<State>>),
     /// The id of the state, which its connections follow.
     Id(StateId),
-    /// A simple part.
+    /// A part that a state has at most once, such as its name.
     Field(Field),
     /// The kind of the state, with everything that only this kind has.
     Kind(Box<Kind>),
-    /// An outcome.
+    /// An outcome of the state.
     Outcome(OutcomeId, Option<Outcome>),
     /// A port or scoped variable.
     Port(PortKind, PortId, Option<Port>),
@@ -49,17 +49,17 @@ pub enum Set {
 /// A simple part of a state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Field {
-    /// See [`State::name`].
+    /// The name, for people.
     Name(SmolStr),
-    /// See [`State::description`].
+    /// The description in Markdown; `None` removes it.
     Description(Option<Arc<str>>),
-    /// See [`State::semantic_data`].
+    /// Nested notes of the user; `None` removes them.
     SemanticData(Option<Arc<Json>>),
     /// The text of the script.
     Script(Option<Arc<str>>),
-    /// See [`State::layout`].
+    /// Positions of its parts on the screen.
     Layout(Layout),
-    /// See [`State::extra`].
+    /// Unknown keys of its file.
     Extra(Extra),
 }
 

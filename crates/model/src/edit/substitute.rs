@@ -104,7 +104,7 @@ impl Substitution<'_> {
     }
 }
 
-/// The port with the same name and type in another list.
+/// The port of another list with an equal name and type.
 fn twin(old: &Ports, id: PortId, new: &Ports) -> Option<PortId> {
     let port = old.get(id)?;
     new.by_name(&port.name).filter(|other| other.data_type == port.data_type).map(|other| other.id)

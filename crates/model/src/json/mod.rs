@@ -13,9 +13,9 @@ pub use write::{canonical_int, write, write_compact};
 /// A parsed JSON document. Objects keep the order of their text; writing sorts.
 #[derive(Debug, Clone)]
 pub enum Json {
-    /// `null`
+    /// The literal `null` of JSON.
     Null,
-    /// `true`, `false`
+    /// The literals `true` and `false`.
     Bool(bool),
     /// An integer that fits 64 bits.
     Int(i64),
@@ -23,9 +23,9 @@ pub enum Json {
     BigInt(SmolStr),
     /// A number with fraction or exponent, `NaN` or `±Infinity`.
     Float(f64),
-    /// A string.
+    /// A string, without quotes and escapes.
     Str(SmolStr),
-    /// `[…]`
+    /// `[…]`: items in the order of the text.
     List(Vec<Self>),
     /// `{…}`: keys are unique (a repeated key keeps its last value, as in Python).
     Object(Vec<(SmolStr, Self)>),
@@ -122,7 +122,7 @@ impl Json {
         }
     }
 
-    /// An empty object.
+    /// An object without members.
     pub fn object() -> Self {
         Self::Object(Vec::new())
     }

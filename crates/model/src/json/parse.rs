@@ -10,7 +10,7 @@ pub const MAX_DEPTH: usize = 200;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {reason}")]
 pub struct ParseError {
-    /// Counted from 1.
+    /// Line of the text, counted from 1.
     pub line: usize,
     /// Counted from 1, in bytes.
     pub column: usize,

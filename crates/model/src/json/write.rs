@@ -141,7 +141,7 @@ pub fn canonical_int(text: &str) -> Option<i64> {
     if is_plain { text.parse().ok() } else { None }
 }
 
-/// The text of a float as by Python's `repr`: the shortest digits that read back the same, an exponent below 1e-4 and
+/// The text of a float as by Python's `json`: the shortest digits that parse to an equal number, an exponent below 1e-4 and
 /// from 1e16 on.
 pub(crate) fn python_float(number: f64) -> String {
     if number.is_nan() {

@@ -21,7 +21,7 @@ use std::fmt;
 pub enum Severity {
     /// The machine does not work as it is drawn.
     Error,
-    /// A note; nothing is refused because of it.
+    /// A note. It refuses no edit.
     Note,
 }
 

@@ -20,7 +20,7 @@ pub enum PortKind {
 pub enum Part {
     /// The state itself: name, id, kind, script.
     State,
-    /// An outcome.
+    /// An outcome of the state.
     Outcome(OutcomeId),
     /// A port or scoped variable.
     Port(PortKind, PortId),
@@ -56,7 +56,7 @@ impl fmt::Display for Part {
 }
 
 impl PortKind {
-    /// All kinds.
+    /// All kinds, inputs first.
     pub const ALL: [Self; 3] = [Self::Input, Self::Output, Self::ScopedVariable];
 
     /// The ports of this kind; `None` for the scoped variables of a state that is no container.
