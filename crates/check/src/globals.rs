@@ -6,8 +6,8 @@ use crate::scripts::uses;
 use rafcon_model::{Machine, StatePath};
 use std::collections::BTreeSet;
 
-/// A note for each script that reads a global variable which no script of the machine sets. Says nothing where a script sets
-/// variables whose names do not stand in it, or was not read.
+/// A note for each global variable that a script reads and no script of the machine sets. Empty if a script was not read, or if a
+/// script sets variables by computed names.
 pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Finding> {
     let uses = uses(machine);
     let mut set = BTreeSet::new();

@@ -1,7 +1,7 @@
 //! Everything that is wrong with a machine: faults of its files, broken rules, and scripts that do not fit their states.
 //!
-//! The one checker of `rafcon check`, the server and the page. Knows machines and what Python says about the text of scripts;
-//! knows nothing of who asks, HTTP, terminals, or how an interpreter is started.
+//! The only checker of `rafcon check`, the server and the page. Knows machines and Python's facts about the texts of scripts. Does
+//! not know the caller, HTTP, terminals, or how an interpreter is started.
 
 mod facts;
 mod finding;
