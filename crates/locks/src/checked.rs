@@ -7,35 +7,35 @@ use std::ops::{Deref, DerefMut};
 use std::panic::Location;
 use std::time::{Duration, Instant};
 
-/// See [`parking_lot::Mutex`].
+/// A [`parking_lot::Mutex`] whose locking order is checked.
 #[derive(Debug)]
 pub struct Mutex<T> {
     made: At,
     lock: parking_lot::Mutex<T>,
 }
 
-/// See [`parking_lot::MutexGuard`].
+/// Guard of a [`Mutex`]. Dropping it releases the mutex.
 #[derive(Debug)]
 pub struct MutexGuard<'l, T> {
     guard: parking_lot::MutexGuard<'l, T>,
     _held: Held,
 }
 
-/// See [`parking_lot::RwLock`].
+/// A [`parking_lot::RwLock`] whose locking order is checked.
 #[derive(Debug)]
 pub struct RwLock<T> {
     made: At,
     lock: parking_lot::RwLock<T>,
 }
 
-/// See [`parking_lot::RwLockReadGuard`].
+/// Shared access to the content of an [`RwLock`], until it is dropped.
 #[derive(Debug)]
 pub struct RwLockReadGuard<'l, T> {
     guard: parking_lot::RwLockReadGuard<'l, T>,
     _held: Held,
 }
 
-/// See [`parking_lot::RwLockWriteGuard`].
+/// Exclusive access to the content of an [`RwLock`], until it is dropped.
 #[derive(Debug)]
 pub struct RwLockWriteGuard<'l, T> {
     guard: parking_lot::RwLockWriteGuard<'l, T>,
@@ -57,7 +57,7 @@ fn address<T>(lock: &T) -> usize {
 }
 
 impl<T> Mutex<T> {
-    /// See [`parking_lot::Mutex::new`].
+    /// Creates a mutex. The position of the call in the source is part of its kind.
     #[track_caller]
     pub const fn new(content: T) -> Self {
         Self { made: Location::caller(), lock: parking_lot::Mutex::new(content) }
@@ -72,7 +72,7 @@ impl<T> Mutex<T> {
         MutexGuard { guard, _held: Held(address(self)) }
     }
 
-    /// See [`parking_lot::Mutex::lock`].
+    /// Waits for the mutex. Panics if waiting could deadlock.
     #[track_caller]
     pub fn lock(&self) -> MutexGuard<'_, T> {
         let at = Location::caller();
@@ -80,21 +80,21 @@ impl<T> Mutex<T> {
         self.held(self.lock.lock(), at)
     }
 
-    /// See [`parking_lot::Mutex::try_lock`].
+    /// Takes the mutex if it is free. Never waits, so the order is not checked.
     #[track_caller]
     pub fn try_lock(&self) -> Option<MutexGuard<'_, T>> {
         let at = Location::caller();
         Some(self.held(self.lock.try_lock()?, at))
     }
 
-    /// See [`parking_lot::Mutex::try_lock_for`].
+    /// Waits for at most `time`; `None` after a timeout. The order is not checked.
     #[track_caller]
     pub fn try_lock_for(&self, time: Duration) -> Option<MutexGuard<'_, T>> {
         let at = Location::caller();
         Some(self.held(self.lock.try_lock_for(time)?, at))
     }
 
-    /// See [`parking_lot::Mutex::try_lock_until`].
+    /// Waits until `moment` at the latest; `None` after a timeout. The order is not checked.
     #[track_caller]
     pub fn try_lock_until(&self, moment: Instant) -> Option<MutexGuard<'_, T>> {
         let at = Location::caller();
@@ -124,7 +124,7 @@ impl<T> DerefMut for MutexGuard<'_, T> {
 }
 
 impl<T> RwLock<T> {
-    /// See [`parking_lot::RwLock::new`].
+    /// Creates a lock. The position of the call in the source is part of its kind.
     #[track_caller]
     pub const fn new(content: T) -> Self {
         Self { made: Location::caller(), lock: parking_lot::RwLock::new(content) }
@@ -143,7 +143,7 @@ impl<T> RwLock<T> {
         Held(address(self))
     }
 
-    /// See [`parking_lot::RwLock::read`].
+    /// Waits for shared access. Panics if waiting could deadlock, also if this thread reads already.
     #[track_caller]
     pub fn read(&self) -> RwLockReadGuard<'_, T> {
         let at = Location::caller();
@@ -151,7 +151,7 @@ impl<T> RwLock<T> {
         RwLockReadGuard { guard: self.lock.read(), _held: self.held(at) }
     }
 
-    /// See [`parking_lot::RwLock::write`].
+    /// Waits for exclusive access. Panics if waiting could deadlock.
     #[track_caller]
     pub fn write(&self) -> RwLockWriteGuard<'_, T> {
         let at = Location::caller();
@@ -189,32 +189,32 @@ impl<T> DerefMut for RwLockWriteGuard<'_, T> {
     }
 }
 
-/// See [`parking_lot::Condvar`].
+/// A [`parking_lot::Condvar`] for guards of the checked [`Mutex`].
 #[derive(Debug, Default)]
 pub struct Condvar(parking_lot::Condvar);
 
 impl Condvar {
-    /// See [`parking_lot::Condvar::new`].
+    /// Creates a condition variable without waiting threads.
     pub const fn new() -> Self {
         Self(parking_lot::Condvar::new())
     }
 
-    /// See [`parking_lot::Condvar::notify_one`].
+    /// Wakes one waiting thread; false if none waits.
     pub fn notify_one(&self) -> bool {
         self.0.notify_one()
     }
 
-    /// See [`parking_lot::Condvar::notify_all`].
+    /// Wakes all waiting threads and returns their number.
     pub fn notify_all(&self) -> usize {
         self.0.notify_all()
     }
 
-    /// See [`parking_lot::Condvar::wait`].
+    /// Releases the mutex until a notification, then takes it again.
     pub fn wait<T>(&self, guard: &mut MutexGuard<'_, T>) {
         self.0.wait(&mut guard.guard);
     }
 
-    /// See [`parking_lot::Condvar::wait_until`].
+    /// Like [`Self::wait`], but until `moment` at the latest.
     pub fn wait_until<T>(
         &self,
         guard: &mut MutexGuard<'_, T>,
@@ -223,12 +223,12 @@ impl Condvar {
         self.0.wait_until(&mut guard.guard, moment)
     }
 
-    /// See [`parking_lot::Condvar::wait_for`].
+    /// Like [`Self::wait`], but for at most `time`.
     pub fn wait_for<T>(&self, guard: &mut MutexGuard<'_, T>, time: Duration) -> WaitTimeoutResult {
         self.0.wait_for(&mut guard.guard, time)
     }
 
-    /// See [`parking_lot::Condvar::wait_while_for`].
+    /// Waits until `condition` is false, but for at most `time`.
     pub fn wait_while_for<T>(
         &self,
         guard: &mut MutexGuard<'_, T>,

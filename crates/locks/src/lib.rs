@@ -3,11 +3,11 @@
 //!
 //! - takes a lock that it holds already, also for reading twice: a writer that waits in between stops both for ever,
 //! - takes two locks of one kind, one inside the other,
-//! - takes two locks in an order that contradicts the orders seen so far in this process, whichever threads took them.
+//! - takes two locks in an order that contradicts an earlier one in this process, by any thread.
 //!
-//! So an order that can end in a deadlock is found by the first test that comes through each of its halves; the deadlock itself
-//! need not happen. Locks made at the same place in the source are of one kind. An attempt that does not wait (`try_lock`, or one
-//! with a bound) cannot deadlock and adds nothing to the order. The orders of this project stand in ARCHITECTURE.md.
+//! An order that can end in a deadlock is found by the first test that executes both of its halves, also without a deadlock. Locks with
+//! one place of creation in the source and one type of content are of one kind. An attempt that does not wait (`try_lock`, or one
+//! with a bound) cannot deadlock and adds nothing to the order. `ARCHITECTURE.md` lists the orders of this project.
 
 #[cfg(debug_assertions)]
 mod checked;
