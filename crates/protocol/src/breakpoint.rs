@@ -67,11 +67,11 @@ pub enum Scope {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Unattended {
-    /// Hold as usual.
+    /// Hold, as if a viewer were connected.
     #[default]
     Hold,
     /// Do not hold. What the breakpoint holds is released when the last viewer disconnects.
     Continue,
-    /// Stop the run.
+    /// Stop the run at the breakpoint.
     Stop,
 }

@@ -28,7 +28,7 @@ pub struct Envelope {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", ts(optional))]
     pub epoch: Option<u64>,
-    /// The command itself.
+    /// The command to execute.
     pub command: Command,
 }
 
@@ -153,7 +153,7 @@ pub enum Command {
         #[serde(default)]
         branch: Option<String>,
     },
-    /// Undo one step.
+    /// Undo the last child of each hierarchy that is paused or waits, or of one branch.
     StepBack {
         /// Branch to step; see [`Command::StepInto`].
         #[serde(default)]
@@ -199,7 +199,7 @@ pub enum Command {
     },
     /// Set a breakpoint. It replaces one with an equal id.
     SetBreakpoint {
-        /// The whole breakpoint.
+        /// All settings of the breakpoint, with its id.
         breakpoint: Breakpoint,
     },
     /// Remove a breakpoint by id.

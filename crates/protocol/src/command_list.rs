@@ -60,7 +60,7 @@ pub struct ListTimes {
     /// Earliest time of effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub not_before_ms: Option<u64>,
-    /// Expiry.
+    /// Expiry. `None` for the default over the link.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expiry_ms: Option<u64>,
 }
@@ -81,7 +81,7 @@ pub enum BadCommandList {
     Line {
         /// Number of the command in the list, from 1.
         line: usize,
-        /// Fault and remedy.
+        /// Description of the fault and its remedy.
         fault: String,
     },
 }

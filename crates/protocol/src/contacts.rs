@@ -66,7 +66,7 @@ pub enum BadContacts {
     Window {
         /// Number and times of the window.
         window: String,
-        /// Fault and remedy.
+        /// Description of the fault and its remedy.
         fault: String,
     },
     /// No window ends in the future.

@@ -59,13 +59,13 @@ pub struct Outcome {
 pub enum LogLevel {
     /// More detailed than debug.
     Verbose,
-    /// Details for debugging.
+    /// Details for finding a fault.
     Debug,
     /// Normal operation, for all users.
     Info,
-    /// A possible fault.
+    /// A possible fault that needs attention.
     Warning,
-    /// A fault.
+    /// A fault of a script, the machine or the run.
     Error,
 }
 
@@ -74,13 +74,13 @@ pub enum LogLevel {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Stream {
-    /// The script's `sys.stdout`.
+    /// Standard output: of scripts (`sys.stdout`), native code and child processes.
     Stdout,
-    /// The script's `sys.stderr`.
+    /// Standard error: of scripts (`sys.stderr`), native code and child processes, if it is a separate file.
     Stderr,
-    /// A Python logger.
+    /// A record of a Python logger.
     Logger,
-    /// The engine itself.
+    /// A message of the engine or the runner.
     Engine,
 }
 
@@ -101,7 +101,7 @@ pub enum Event {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         undoes: Option<u64>,
     },
-    /// A state ended.
+    /// A state ended, or a step back left it backward.
     Left {
         /// Path of the state.
         path: String,
@@ -176,7 +176,7 @@ pub enum Event {
     Forced {
         /// Path of the state.
         path: String,
-        /// The chosen outcome.
+        /// Outcome that the user chose.
         outcome: Outcome,
     },
     /// An active state ended without an outcome, because the run started again elsewhere.
@@ -302,7 +302,7 @@ pub enum Event {
     },
     /// A stop of the run was requested.
     Stopping,
-    /// The run ended.
+    /// The run ended. This is its last event.
     Finished {
         /// Outcome of the root state.
         outcome: Outcome,
@@ -322,7 +322,7 @@ pub enum Event {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum RunStatus {
-    /// Scripts are running.
+    /// The run as a whole is neither held nor ending.
     Running,
     /// Hierarchies are held before their next child.
     Paused,

@@ -74,22 +74,22 @@ pub struct Launch {
 /// Settings for entering the first state. The run records them, so that it can start over if it dies before that.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Beginning {
-    /// Value of [`Launch::start_from`].
+    /// Path of the state to begin at; see [`Launch::start_from`].
     #[serde(default)]
     pub start_from: Option<String>,
-    /// Value of [`Launch::afterwards`].
+    /// Action after that state was left; see [`Launch::afterwards`].
     #[serde(default)]
     pub afterwards: Afterwards,
-    /// Value of [`Launch::inputs`].
+    /// Values for input ports of the root; see [`Launch::inputs`].
     #[serde(default)]
     pub inputs: Vec<(String, serde_json::Value)>,
-    /// Value of [`Launch::globals`].
+    /// Global variables at the start; see [`Launch::globals`].
     #[serde(default)]
     pub globals: Vec<(String, serde_json::Value)>,
-    /// Value of [`Launch::hold`].
+    /// True to hold before the first state; see [`Launch::hold`].
     #[serde(default)]
     pub hold: bool,
-    /// Value of [`Launch::breakpoints`].
+    /// Breakpoints set from the start; see [`Launch::breakpoints`].
     #[serde(default)]
     pub breakpoints: Vec<Breakpoint>,
 }

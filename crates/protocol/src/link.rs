@@ -207,7 +207,7 @@ pub struct LinkReport {
 /// The datagrams of one direction.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LinkTraffic {
-    /// Number of datagrams.
+    /// Number of datagrams in this direction.
     pub datagrams: u64,
     /// Total size in bytes, including IP and UDP headers.
     pub bytes: u64,

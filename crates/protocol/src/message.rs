@@ -103,7 +103,7 @@ pub enum ToViewer {
         sequence: u64,
         /// Time since the start of the run by a monotonic clock, in ns.
         t_ns: u64,
-        /// The decoded event.
+        /// Content of the event, without number and time.
         event: Event,
     },
     /// Current status of the run.

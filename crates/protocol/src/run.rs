@@ -35,12 +35,12 @@ pub enum OnCrash {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
 pub enum Afterwards {
-    /// Continue the run.
+    /// Continue behind that state.
     #[default]
     GoOn,
     /// Hold the run, in step mode.
     Hold,
-    /// Stop the run.
+    /// Stop the run behind that state.
     Stop,
 }
 

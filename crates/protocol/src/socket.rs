@@ -19,7 +19,7 @@ pub const VERSION: u32 = 2;
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(tag = "frame", rename_all = "snake_case")]
 pub enum ToServer {
-    /// Start a subscription.
+    /// Start to receive a topic.
     Subscribe {
         /// Number of the subscription, chosen by the client. A number in use is refused.
         subscription: u32,
@@ -49,14 +49,14 @@ pub enum ToServer {
     Undo {
         /// Id of the machine.
         machine: String,
-        /// The undo request.
+        /// The request, with the id of the undo.
         undo: Undo,
     },
     /// Redo the step that was undone. The replies are those of an edit.
     Redo {
         /// Id of the machine.
         machine: String,
-        /// The redo request.
+        /// The request, with the id of the redo.
         redo: Undo,
     },
     /// Report this client's selection to the other clients.
@@ -166,7 +166,7 @@ pub enum ToClient {
     Revisions {
         /// Number of the subscription.
         subscription: u32,
-        /// Revisions in order.
+        /// The revisions, the oldest first.
         revisions: Vec<Revision>,
     },
     /// The requested revisions no longer exist, so the subscription ends. The client fetches the whole machine and subscribes again

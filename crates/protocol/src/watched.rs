@@ -14,7 +14,7 @@ const NAME_MAX: usize = 128;
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct WatchTarget {
-    /// Kind of value.
+    /// Kind of the watched value or values.
     pub kind: WatchKind,
     /// Path of the state: ids from the root, joined by `/`. Empty for global variables.
     #[serde(default)]

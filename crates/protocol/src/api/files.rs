@@ -23,7 +23,7 @@ pub struct FileNode {
     pub name: String,
     /// Path from the project's folder, joined by `/`.
     pub path: String,
-    /// Kind of folder.
+    /// A machine, or a folder with further folders.
     pub kind: NodeKind,
     /// Content of a folder. A machine has no children.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -83,7 +83,7 @@ pub struct LibraryRoot {
 pub struct LibraryNode {
     /// Name of the folder: one part of a library path.
     pub name: String,
-    /// Kind of folder.
+    /// A library, or a folder with further folders.
     pub kind: LibraryNodeKind,
     /// Content of a folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -128,7 +128,7 @@ pub struct ExportQuery {
     pub until_ns: Option<u64>,
 }
 
-/// Export format.
+/// File format of an exported run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -160,7 +160,7 @@ pub struct EventDetail {
 pub struct NamedValue {
     /// Name of the port or variable. Empty if it has no name.
     pub name: String,
-    /// The recorded value.
+    /// The recorded value, with a view limited in size.
     pub value: KeptValue,
 }
 
@@ -204,7 +204,7 @@ pub enum KeptAs {
     },
     /// No restorable form exists.
     Nothing {
-        /// Reason, in words.
+        /// Reason why no form exists, for people.
         reason: String,
     },
 }

@@ -208,7 +208,7 @@ pub struct Revision {
     pub name: String,
     /// Time of the change: ms since 1970, UTC.
     pub at_ms: u64,
-    /// Kind of change.
+    /// Origin of the change: edit, undo, redo, reload or jump.
     pub kind: RevisionKind,
     /// Earliest known revision with identical content, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -30,7 +30,7 @@ pub enum Role {
     Viewer,
     /// Also starts and commands runs.
     Operator,
-    /// Also changes machines.
+    /// Also changes machines and their scripts.
     Engineer,
     /// Also manages users and deletes runs.
     Admin,
@@ -82,7 +82,7 @@ pub struct Login {
 #[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct ChangePassword {
-    /// The current password.
+    /// Current password, as proof of identity.
     #[cfg_attr(feature = "schema", schema(max_length = 1024))]
     pub password: String,
     /// The new password, of at least 10 characters.

@@ -44,7 +44,7 @@ pub struct PlanSkill {
     pub title: String,
     /// Name of the PDDL action.
     pub action: String,
-    /// Description for people.
+    /// Description from the skill's annotation, for people.
     pub description: String,
     /// Parameters of the action.
     pub parameters: Vec<PlanParameter>,
@@ -85,7 +85,7 @@ pub struct PlanFinding {
     /// Libraries that cause the fault.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub libraries: Vec<String>,
-    /// Description and remedy.
+    /// Description of the fault and its remedy.
     pub text: String,
 }
 

@@ -84,17 +84,17 @@ pub enum RunPhase {
     Crashed,
     /// The run is a replica, and its history differs from the robot's. It accepts no further events.
     Diverged {
-        /// Cause and remedy.
+        /// Cause and remedy, for people.
         reason: String,
     },
     /// The run never began.
     NotStarted {
-        /// Cause, in words.
+        /// Cause of the failed start, for people.
         reason: String,
     },
     /// The folder of the run cannot be read.
     Unreadable {
-        /// Cause, in words.
+        /// Cause of the failed read, for people.
         reason: String,
     },
 }
@@ -311,7 +311,7 @@ pub struct HistoryEntry {
     pub sequence: u64,
     /// Time since the start of the run, in ns.
     pub t_ns: u64,
-    /// The event itself.
+    /// Content of the event, without number and time.
     pub event: Event,
 }
 

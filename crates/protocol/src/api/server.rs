@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct Health {
-    /// Always `rafcon`.
+    /// Name of the program: always `rafcon`.
     pub program: String,
     /// Version of the server.
     pub version: String,
@@ -19,7 +19,7 @@ pub struct Health {
 pub struct ServerStatus {
     /// Number that changes with every change of a project or library file. Clients then request the trees again.
     pub files_revision: u64,
-    /// All open machines.
+    /// All open machines, saved or not.
     pub machines: Vec<MachineSummary>,
     /// Active runs, and runs that changed since the server started, the newest first.
     pub runs: Vec<RunSummary>,
@@ -31,6 +31,6 @@ pub struct ServerStatus {
 pub struct Refusal {
     /// Stable code in `snake_case`, for programs.
     pub code: String,
-    /// Message for people.
+    /// Cause, location and remedy, for people.
     pub message: String,
 }

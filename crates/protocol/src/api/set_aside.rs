@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 pub struct SetAsideDraft {
-    /// Id for requests.
+    /// Id that selects these edits in requests.
     pub id: String,
     /// Time in ms since 1970, UTC. 0 if an earlier version of the server set it aside.
     pub at_ms: u64,

@@ -44,7 +44,7 @@ pub struct MachineStep {
     pub name: String,
     /// Time of the change: ms since 1970, UTC.
     pub at_ms: u64,
-    /// Kind of change.
+    /// Origin of the change: edit, undo, redo, reload or jump.
     pub kind: RevisionKind,
     /// Earliest known revision with identical content, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -60,7 +60,7 @@ pub struct JumpMachine {
     /// Id chosen by the sender. Repeated requests with one id are executed once.
     #[cfg_attr(feature = "schema", schema(min_length = 1, max_length = 128))]
     pub id: String,
-    /// Revision to restore.
+    /// Number of the revision to restore.
     pub revision: u64,
     /// True to restore even if this undoes steps of other users.
     #[serde(default)]

@@ -182,7 +182,7 @@ pub enum CallEnd {
     Ended,
     /// Ended by *aborted* or with an error.
     Aborted,
-    /// Ended by *preempted*.
+    /// Ended by *preempted* without an error.
     Preempted,
     /// The call was a step back or was undone by one.
     Back,

@@ -43,9 +43,9 @@ pub struct StateDocument {
     /// Id of the state, only if it is invalid (empty, or with a `/`) and so cannot be derived from the path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
-    /// Name for people.
+    /// Name for people, not necessarily unique.
     pub name: String,
-    /// Kind of state.
+    /// Kind of state, which determines the fields that apply.
     pub kind: StateKind,
     /// Description in Markdown, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -85,7 +85,7 @@ pub struct StateDocument {
     pub extra: Option<serde_json::Value>,
 }
 
-/// Kind of state.
+/// Kind of state, which determines what the state runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
 #[serde(rename_all = "snake_case")]
@@ -205,7 +205,7 @@ pub struct LibraryDocument {
 pub struct RuntimeValueDocument {
     /// Id of the port.
     pub port: i64,
-    /// The set value.
+    /// Value for the port. `null` or a missing value is `None`.
     #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
     pub value: serde_json::Value,
     /// True to use the value instead of the library's default.

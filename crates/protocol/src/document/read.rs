@@ -32,7 +32,7 @@ pub struct DocumentError {
     pub path: String,
     /// Field of the document.
     pub field: String,
-    /// Fault and remedy.
+    /// Description of the fault and its remedy.
     pub what: String,
 }
 

@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", schema(no_recursion))]
 #[serde(tag = "edit", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Edit {
-    /// Renames a state.
+    /// Changes the name of a state, but not its path.
     SetName {
         /// Path of the state.
         path: String,
@@ -74,7 +74,7 @@ pub enum Edit {
         /// New kind: execution, hierarchy, barrier or preemptive.
         kind: StateKind,
     },
-    /// Adds an outcome.
+    /// Adds an outcome to a state.
     AddOutcome {
         /// Path of the state.
         path: String,
@@ -83,7 +83,7 @@ pub enum Edit {
         /// Name of the outcome.
         name: String,
     },
-    /// Renames an outcome.
+    /// Renames an outcome. Its transitions are kept.
     RenameOutcome {
         /// Path of the state.
         path: String,

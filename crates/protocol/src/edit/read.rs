@@ -23,7 +23,7 @@ const NESTING_MAX: usize = 4;
 pub struct EditFault {
     /// Field of the edit.
     pub field: &'static str,
-    /// Fault and remedy.
+    /// Description of the fault and its remedy.
     pub what: String,
 }
 
