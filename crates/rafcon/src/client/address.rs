@@ -13,7 +13,6 @@ pub(crate) struct Address {
     pub(crate) is_secure: bool,
     /// Name or IP address; an IPv6 address without brackets.
     pub(crate) host: String,
-    /// TCP port.
     pub(crate) port: u16,
     /// The path, such as `/robot`; empty without one.
     pub(crate) base: String,

@@ -11,30 +11,26 @@ use std::path::PathBuf;
 pub(crate) enum Fault {
     /// The server cannot be reached, or the connection could not be completed.
     Unreachable {
-        /// Its address.
         server: String,
-        /// Underlying I/O error.
+        /// Underlying error of the connection.
         source: io::Error,
     },
     /// The connection broke during the exchange: the request may have arrived.
     Lost {
-        /// Its address.
         server: String,
-        /// Underlying I/O error.
+        /// Underlying error of the connection.
         source: io::Error,
     },
     /// The certificate differs from the saved or named one.
     Changed {
-        /// Its address.
         server: String,
-        /// The expected certificate.
+        /// Saved earlier or named by the user.
         known: Fingerprint,
         /// The certificate of the server.
         seen: Fingerprint,
     },
     /// The certificate is unknown, and no one has vouched for it.
     Unknown {
-        /// Its address.
         server: String,
         /// The certificate of the server.
         seen: Fingerprint,
@@ -43,19 +39,17 @@ pub(crate) enum Fault {
     NoToken {
         /// Path of the file.
         file: PathBuf,
-        /// Underlying I/O error.
         source: io::Error,
     },
     /// The server refused the request.
     Refused {
-        /// HTTP status.
+        /// Status code of the HTTP response.
         status: u16,
         /// Code and message of the server.
         refusal: Refusal,
     },
     /// The response is not valid here.
     Nonsense {
-        /// Its address.
         server: String,
         /// Description of the problem.
         what: String,

@@ -30,7 +30,7 @@ impl Fingerprint {
         (digits.len() == 2 * BYTES).then(|| bytes.try_into().ok())?.map(Self)
     }
 
-    /// Digits alone.
+    /// Lower-case hexadecimal digits without colons.
     pub(crate) fn hex(&self) -> String {
         let bytes: Vec<String> = self.0.iter().map(|byte| format!("{byte:02x}")).collect();
         bytes.concat()

@@ -147,7 +147,7 @@ impl Follower<'_> {
         left.map_or(Duration::MAX, |ms| Duration::from_millis(ms.max(PAUSES_MS[0])))
     }
 
-    /// Receives one frame.
+    /// Handles a frame, if one has arrived.
     fn read(
         &mut self,
         socket: &mut Socket,

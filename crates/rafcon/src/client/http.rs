@@ -112,7 +112,7 @@ impl Http {
     }
 }
 
-/// A successful response.
+/// Body and cookies of a successful response.
 #[derive(Debug)]
 pub(super) struct Answer<T> {
     /// Content of the response.

@@ -70,7 +70,6 @@ impl Server {
         self.send("/runs", request)
     }
 
-    /// Resumes a run.
     pub(crate) fn resume(&self, run: &str, request: &ResumeRun) -> Result<RunSummary, Fault> {
         self.send(&format!("/runs/{}/resume", escaped(run)), request)
     }
@@ -183,7 +182,7 @@ impl Server {
         Ok(self.http.ask(self.with_body(request, token)?)?.body)
     }
 
-    /// A WebSocket.
+    /// Opens a WebSocket. The token is in its request.
     fn socket(&self) -> Result<Socket, Fault> {
         let stream = Stream::connect(&self.address, self.trusted, FRAME_TIMEOUT)?;
         Socket::open(stream, &self.address, self.token.text()?.as_deref())

@@ -35,9 +35,8 @@ pub(super) struct Todo {
 /// State of the connection to the server.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Connection {
-    /// No connection yet.
+    /// No connection was opened yet.
     Awaited,
-    /// Connected.
     Up,
     /// The connection broke or could not be opened.
     Cut,
@@ -46,7 +45,7 @@ enum Connection {
 /// State of the connection between server and runner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Runner {
-    /// The runner responds.
+    /// The runner responds, or no report has arrived yet.
     Heard,
     /// It does not respond, though its socket is open.
     Silent,

@@ -21,7 +21,7 @@ const FRAME_MAX: usize = 256 * 1024 * 1024;
 /// Reason of a broken connection.
 pub(super) type Broken = String;
 
-/// An open WebSocket.
+/// A WebSocket whose reads and writes never block.
 #[derive(Debug)]
 pub(super) struct Socket {
     socket: WebSocket<Stream>,
@@ -64,7 +64,7 @@ impl Socket {
         self.flush()
     }
 
-    /// Writes pending data.
+    /// Writes pending data, as much as the socket accepts.
     pub(super) fn flush(&mut self) -> Result<(), Broken> {
         let flushed = self.socket.flush();
         self.is_full = false;

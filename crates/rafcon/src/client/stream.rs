@@ -12,12 +12,10 @@ use std::time::Duration;
 /// Connection timeout for one address.
 const CONNECT: Duration = Duration::from_secs(10);
 
-/// An open connection.
+/// A TCP connection, with or without TLS.
 #[derive(Debug)]
 pub(crate) enum Stream {
-    /// Without TLS.
     Plain(TcpStream),
-    /// With TLS.
     Tls(Box<StreamOwned<ClientConnection, TcpStream>>),
 }
 
@@ -36,7 +34,7 @@ impl Stream {
         if address.is_secure { secure(address, trusted, socket) } else { Ok(Self::Plain(socket)) }
     }
 
-    /// The socket below.
+    /// The TCP socket, below TLS.
     pub(crate) fn socket(&self) -> &TcpStream {
         match self {
             Self::Plain(socket) => socket,

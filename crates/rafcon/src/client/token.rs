@@ -10,13 +10,12 @@ use std::path::{Path, PathBuf};
 /// Source of a token.
 #[derive(Clone)]
 pub(crate) enum Token {
-    /// No token.
+    /// Requests are sent without a token.
     None,
-    /// A given text.
     Given(String),
     /// Token of this computer's own server, valid while that server runs.
     Own {
-        /// The server's folder.
+        /// Folder of the server's state, which contains the token.
         state: PathBuf,
         /// Address of the server.
         url: String,

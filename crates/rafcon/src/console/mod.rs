@@ -47,7 +47,7 @@ enum Data {
     Told(StateData),
 }
 
-/// The keyboard's state.
+/// Mode and selection of the keyboard.
 #[derive(Debug)]
 pub(crate) struct Console {
     mode: Mode,

@@ -29,7 +29,7 @@ impl fmt::Debug for Unattended {
     }
 }
 
-/// Reports of waiting.
+/// Reports each permanent wait of a run once.
 #[derive(Debug, Default)]
 pub(super) struct Waiting {
     is_reported: bool,

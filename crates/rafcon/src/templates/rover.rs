@@ -18,7 +18,7 @@ pub(super) const TEMPLATE: Template = Template {
 };
 
 const GOAL: &str = "(assembled battery mug)";
-/// Ports of `planning/replan`.
+/// Ports of the library `planning/replan`.
 const FACTS: PortId = PortId(0);
 const POOL: PortId = PortId(1);
 const WANTED: PortId = PortId(2);

@@ -28,7 +28,6 @@ enum CutOff<'a> {
 }
 
 impl<W: Write> Json<W> {
-    /// Writes to `out`.
     pub(crate) fn new(out: W) -> Self {
         Self { out: BufWriter::with_capacity(64 * 1024, out), finished: None }
     }

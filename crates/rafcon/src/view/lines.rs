@@ -20,7 +20,6 @@ pub(crate) struct Lines<W: Write> {
 const PAINT: Paint = Paint { colour: false, unicode: true };
 
 impl<W: Write> Lines<W> {
-    /// Writes to `out`.
     pub(crate) fn new(out: W, names: Names) -> Self {
         let out = BufWriter::with_capacity(64 * 1024, out);
         Self { out, names, machine: String::new(), finished: None }

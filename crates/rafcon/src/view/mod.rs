@@ -53,7 +53,7 @@ pub(crate) trait View {
     fn inspected(&mut self, _path: &str, _data: Option<StateData>) -> io::Result<()> {
         Ok(())
     }
-    /// Draws pending changes.
+    /// Writes pending output, and redraws the picture when that is due.
     fn refresh(&mut self, now: Duration) -> io::Result<()>;
     /// Restores the terminal while the program is suspended; the next refresh follows on return.
     fn set_aside(&mut self) -> io::Result<()>;

@@ -6,17 +6,17 @@ use unicode_width::UnicodeWidthStr as _;
 /// Appearance of a piece of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// Default style.
+    /// Default style of the terminal.
     Plain,
-    /// Less important.
+    /// Less important than plain text.
     Dim,
-    /// More important.
+    /// More important than plain text.
     Strong,
-    /// Success.
+    /// Success, green on a terminal.
     Good,
-    /// Needs attention.
+    /// Needs attention, yellow on a terminal.
     Warning,
-    /// Failure.
+    /// Failure, red on a terminal.
     Bad,
 }
 
@@ -36,7 +36,7 @@ impl Style {
 /// Capabilities of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Paint {
-    /// Colours and weights.
+    /// Colours and weights, by escape sequences.
     pub(crate) colour: bool,
     /// Characters beyond ASCII for pictures.
     pub(crate) unicode: bool,

@@ -5,7 +5,7 @@ use rafcon_model::{self as model, Json, Kind, LibraryContent, StateId, Target};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The document, indented.
+/// Returns the document with indentation and a final newline.
 pub(super) fn print(machine: &model::Machine) -> Result<String> {
     let document = Machine {
         creation_time: &machine.header.creation_time,

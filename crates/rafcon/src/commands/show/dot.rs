@@ -4,7 +4,6 @@ use super::order;
 use rafcon_model::{Container, Machine, OutcomeId, State, StatePath, Target};
 use std::fmt::Write as _;
 
-/// The whole graph.
 pub(super) fn print(machine: &Machine) -> String {
     let mut out = String::from(
         "digraph machine {\n  compound=true; rankdir=LR; node [shape=box, style=rounded, fontname=\"sans-serif\"];\n",

@@ -4,7 +4,6 @@ use super::order;
 use rafcon_model::{Container, Kind, Machine, State, Target};
 use std::fmt::Write as _;
 
-/// The whole diagram.
 pub(super) fn print(machine: &Machine) -> String {
     let mut diagram = Diagram { out: "stateDiagram-v2\n".to_owned(), numbers: 0 };
     diagram.state(&machine.root, 1);

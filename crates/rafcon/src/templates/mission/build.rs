@@ -96,7 +96,7 @@ fn kind(inside: Inside, state: &State, ids: &mut Ids) -> Result<(Kind, Pair)> {
 enum Order {
     /// In sequence, from the first child.
     Sequence,
-    /// In parallel.
+    /// Concurrently, all children at once.
     Together,
 }
 

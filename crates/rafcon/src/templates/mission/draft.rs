@@ -62,7 +62,7 @@ pub(super) struct FlowDraft {
 }
 
 impl Draft {
-    /// An execution state.
+    /// An execution state that runs `script`.
     pub(super) fn script(name: impl Into<String>, script: &'static str) -> Self {
         Self::new(name, Inside::Script(script))
     }
@@ -72,7 +72,6 @@ impl Draft {
         Self::new(DECIDER, Inside::Decider(script))
     }
 
-    /// A hierarchy.
     pub(super) fn hierarchy(name: impl Into<String>, parts: Parts) -> Self {
         Self::new(name, Inside::Hierarchy(parts))
     }
@@ -82,7 +81,6 @@ impl Draft {
         Self::new(name, Inside::Barrier(parts.all_to_the_decider()))
     }
 
-    /// A preemptive state.
     pub(super) fn preemptive(name: impl Into<String>, parts: Parts) -> Self {
         Self::new(name, Inside::Preemptive(parts))
     }
@@ -92,7 +90,7 @@ impl Draft {
         Self { name: name.into(), about: "", inputs: vec![], outputs: vec![], outcomes, inside }
     }
 
-    /// Sets the description.
+    /// Sets the description of the state.
     pub(super) fn about(mut self, text: &'static str) -> Self {
         self.about = text;
         self
@@ -139,7 +137,6 @@ impl Parts {
         self
     }
 
-    /// One more child.
     pub(super) fn child(mut self, child: Draft) -> Self {
         self.children.push(child);
         self

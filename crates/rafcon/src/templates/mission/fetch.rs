@@ -5,7 +5,7 @@ use super::drive::drive;
 use super::scripts;
 use rafcon_model::Value;
 
-/// Fetches `thing`.
+/// A hierarchy that brings `thing` to the base, or ends by *lost*.
 pub(super) fn fetch(thing: &str) -> Draft {
     let parts = Parts::default()
         .child(recall())

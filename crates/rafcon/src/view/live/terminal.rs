@@ -27,7 +27,7 @@ impl Screen {
         Self { out: io::stdout(), paint, drawn: Vec::new(), keyboard: None }
     }
 
-    /// Columns and rows.
+    /// Columns and rows; 80 and 24 if unknown.
     pub(super) fn size() -> (usize, usize) {
         let (columns, rows) = terminal::size().unwrap_or((80, 24));
         (usize::from(columns.max(1)), usize::from(rows.max(1)))
