@@ -85,7 +85,7 @@ pub enum Fault {
     ValueWithoutPort {
         /// Path and name of the library.
         library: SmolStr,
-        /// `input` or `output`.
+        /// Kind of the port: `input` or `output`.
         side: &'static str,
         /// Id of the port.
         port: PortId,
@@ -95,7 +95,7 @@ pub enum Fault {
     InLibrary {
         /// Path and name of the library.
         library: SmolStr,
-        /// Number of faults.
+        /// Number of faults in the library's files.
         count: usize,
         /// Text of the first fault.
         first: Box<str>,
@@ -215,7 +215,7 @@ pub enum LoadError {
     /// The path does not exist.
     #[error("{} does not exist; give the folder of a state machine or a file in it", path.display())]
     NotFound {
-        /// The requested path.
+        /// Path as given by the caller.
         path: PathBuf,
     },
     /// The folder contains no header.

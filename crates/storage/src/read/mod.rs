@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use walk::walk;
 
-/// A loaded machine.
+/// A machine as read from its files, with their faults.
 #[derive(Debug, Clone)]
 pub struct Loaded {
     /// The machine, with or without problems.

@@ -16,7 +16,7 @@ const UNFINISHED: &str = "manifest.unfinished";
 pub(crate) struct Plan {
     /// Folders to prepare, outer ones first.
     pub(crate) folders: Vec<PathBuf>,
-    /// Files to prepare.
+    /// Files to write into the staging folder.
     pub(crate) files: Vec<NewFile>,
     /// The last steps, which the manifest lists.
     pub(crate) manifest: SaveManifest,

@@ -12,7 +12,7 @@ const END: &[u8] = b"end";
 pub(crate) struct SaveManifest {
     /// Files and folders to move from the first path to the second; done if the first does not exist.
     pub(crate) moves: Vec<(PathBuf, PathBuf)>,
-    /// Files to remove.
+    /// Files to remove after the moves.
     pub(crate) removed: Vec<PathBuf>,
     /// Folders to remove if they contain no foreign files, inner ones first.
     pub(crate) emptied: Vec<PathBuf>,

@@ -4,7 +4,7 @@ use super::LOCK_FILE;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Operation that failed.
+/// Operation that failed on a file or folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Doing {
     /// Creation of a folder.
@@ -90,7 +90,7 @@ pub enum JournalError {
     Io {
         /// Path of the file.
         path: PathBuf,
-        /// Operation that failed.
+        /// Operation that failed on this file.
         doing: Doing,
         /// Error reported by the system.
         source: io::Error,

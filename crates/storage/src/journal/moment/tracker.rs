@@ -18,7 +18,7 @@ const PART: usize = 4;
 pub(in crate::journal) struct Keyframe {
     /// Number of the moment's last record.
     pub(in crate::journal) sequence: u64,
-    /// The encoded moment.
+    /// The whole moment, encoded.
     pub(in crate::journal) data: Vec<u8>,
     /// Lowest unused number of a value.
     pub(in crate::journal) next_value: ValueNumber,

@@ -113,7 +113,7 @@ impl Manifest {
         bytes
     }
 
-    /// Applies [`Manifest::changes`].
+    /// Applies a difference encoded by [`Manifest::changes`].
     fn changed(self, changes: &[u8]) -> Result<Self, Broken> {
         let mut reader = BinaryReader::new(changes);
         let changed = reader.list(|reader| Ok((reader.text()?.to_owned(), reader.hash()?)))?;

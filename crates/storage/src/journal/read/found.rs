@@ -139,7 +139,7 @@ impl<'s> Looking<'s> {
         self.looked.is_past || self.left == 0
     }
 
-    /// Examines an event.
+    /// Examines an event. Returns it if the search includes it.
     fn take(&mut self, reader: &Reader, entry: &Entry) -> Result<Option<Found>, JournalError> {
         if self.search.filter.is_past(entry.t_ns) {
             self.looked.is_past = true;

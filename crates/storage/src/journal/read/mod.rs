@@ -56,7 +56,7 @@ pub struct Entry {
     pub record: Record,
 }
 
-/// An open journal.
+/// Reader of a run's journal: events, values and moments.
 #[derive(Debug)]
 pub struct Reader {
     folder: PathBuf,

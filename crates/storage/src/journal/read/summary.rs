@@ -67,7 +67,7 @@ pub enum RunState {
     },
     /// The folder of the run cannot be read.
     Unreadable {
-        /// Cause, in words.
+        /// Cause of the failed read, for people.
         reason: String,
     },
 }

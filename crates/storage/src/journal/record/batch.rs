@@ -110,7 +110,7 @@ impl Batch {
         BinaryWriter::new(&mut self.records).scoped(delta, place, port, value);
     }
 
-    /// Adds any record.
+    /// Adds a record of any kind.
     pub fn record(&mut self, t_ns: u64, record: &Record) {
         let delta = self.delta(t_ns);
         BinaryWriter::new(&mut self.records).record(delta, record);

@@ -35,7 +35,7 @@ impl FrameHeader {
     }
 }
 
-/// A decoded frame.
+/// A frame, split into header and body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::journal) struct Frame<'b> {
     pub(in crate::journal) head: FrameHeader,

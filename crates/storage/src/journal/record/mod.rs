@@ -111,13 +111,13 @@ pub enum Record {
 pub enum Kept {
     /// No value: the script left the port out.
     Absent,
-    /// Python's value `None`.
+    /// Python's value `None`, unlike an absent one.
     None,
-    /// A Python `bool`.
+    /// A Python `bool`, stored in the event.
     Bool(bool),
     /// A Python `int` of 64 bits.
     Int(i64),
-    /// A Python `float`.
+    /// A Python `float`, stored in the event.
     Float(f64),
     /// A Python `str` of at most [`TEXT_MAX`] bytes.
     Text(SmolStr),

@@ -19,7 +19,7 @@ const MARK_EVERY: u64 = 1_024;
 pub struct EventItems {
     /// Number of the first event.
     pub first: u64,
-    /// Number of events.
+    /// Number of consecutive events from `first` on.
     pub count: u64,
     /// Time of the event before them, in ns since the start of the run.
     pub t_before: u64,

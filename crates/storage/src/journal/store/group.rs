@@ -19,7 +19,7 @@ const TAIL_BYTES: usize = 2 << 10;
 pub(in crate::journal) struct Block {
     /// Number of the first event.
     pub(in crate::journal) first: u64,
-    /// Number of events.
+    /// Number of consecutive events from `first` on.
     pub(in crate::journal) count: u64,
     /// Time of the event before the first.
     pub(in crate::journal) t_before: u64,

@@ -26,7 +26,7 @@ pub(in crate::journal) const HEADER_SUM: usize = 32;
 /// Offsets of the marks: last appended record, and last record in the database.
 pub(in crate::journal) const APPENDED: usize = 40;
 pub(in crate::journal) const COMMITTED: usize = 48;
-/// Number of segments.
+/// Number of segments, which are filled in turn.
 pub(in crate::journal) const SEGMENTS: usize = 8;
 /// Minimum length of a segment.
 const SEGMENT_MIN: usize = 4096;

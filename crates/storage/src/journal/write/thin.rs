@@ -15,7 +15,7 @@ const SLICE_BYTES: usize = 2 << 20;
 /// Maximum number of examined values or rows in one commit.
 const SLICE_ROWS: i64 = 10_000;
 
-/// Deletion in progress.
+/// Progress of a deletion, which may take several commits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Work {
     /// No deletion is in progress.
@@ -25,7 +25,7 @@ enum Work {
     Detail { until: i64, at: i64 },
     /// Values that no event after `until` uses. Completed below `at`.
     Values { until: i64, at: i64, end: i64 },
-    /// Events before `before`.
+    /// Whole rows of events before event number `before`.
     Events { before: i64 },
 }
 

@@ -35,7 +35,7 @@ pub struct Libraries {
 
 type Answer = Result<Arc<ReadLibrary>, SmolStr>;
 
-/// A loaded library.
+/// A library, loaded from its folder or from packed files.
 #[derive(Debug)]
 pub(crate) struct ReadLibrary {
     pub(crate) root: Arc<State>,

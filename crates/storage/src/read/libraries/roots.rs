@@ -31,7 +31,7 @@ pub enum RootNote {
         name: SmolStr,
         /// Folder that was replaced.
         old: PathBuf,
-        /// Folder that counts.
+        /// Folder that the name means from now on.
         new: PathBuf,
     },
 }

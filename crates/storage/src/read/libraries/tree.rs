@@ -18,7 +18,7 @@ pub struct LibraryEntry {
     pub path: SmolStr,
     /// Folder of the entry.
     pub dir: PathBuf,
-    /// Folder or library.
+    /// Library, or folder with its entries.
     pub kind: EntryKind,
 }
 
