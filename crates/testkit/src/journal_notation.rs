@@ -37,7 +37,7 @@ pub struct BadNotation {
     what: String,
 }
 
-/// Parses all items.
+/// Parses a text line by line. Empty lines are skipped.
 pub fn parse(text: &str) -> Result<Vec<Item>, BadNotation> {
     let mut parser = Parser::default();
     for (line, text) in (1..).zip(text.lines()) {

@@ -27,7 +27,7 @@ impl Random {
         self.below(100) < chance
     }
 
-    /// A small number.
+    /// A random number from 0 to `limit` - 1.
     pub(crate) fn small(&mut self, limit: usize) -> i64 {
         i64::try_from(self.below(limit)).unwrap_or_default()
     }

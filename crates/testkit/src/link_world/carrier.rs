@@ -10,7 +10,7 @@ pub(super) const DELAY: Duration = Duration::from_secs(2);
 /// Faults of a carrier.
 #[derive(Debug, Clone)]
 pub struct Conditions {
-    /// One-way delay.
+    /// One-way delay, without the addition of `late`.
     pub delay: Duration,
     /// Rate, including the headers of IP and UDP.
     pub bits_per_s: u64,
@@ -54,7 +54,7 @@ impl Conditions {
 /// Fate of datagrams that are sent during a cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cut {
-    /// They are lost.
+    /// They are lost, except on a carrier with `in_order`.
     Drops,
     /// They arrive when the cut ends, without loss.
     Holds,
@@ -93,7 +93,7 @@ impl Carrier {
         }
     }
 
-    /// The current faults.
+    /// The faults for datagrams sent from now on.
     pub fn conditions(&self) -> &Conditions {
         &self.conditions
     }

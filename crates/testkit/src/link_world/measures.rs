@@ -21,7 +21,7 @@ pub struct Measures {
     pub different: u64,
     /// Number of events while the link was whole, and bytes that the robot sent to one station in that time.
     pub events: u64,
-    /// See `events`.
+    /// Bytes that belong to `events`; see there.
     pub bytes: u64,
     /// Traffic in that time by kind of frame.
     pub traffic: Traffic,
@@ -45,7 +45,7 @@ pub struct Measures {
     pub kills: u64,
     /// Bits that the robot sent while the mission was quiet; the duration is `idle`.
     pub idle_bits: u64,
-    /// See `idle_bits`.
+    /// Duration that belongs to `idle_bits`; see there.
     pub idle: Duration,
     /// Bytes between a station and the robot while one operator watched the mission, and while five did.
     pub watched: [u64; 2],
@@ -54,13 +54,13 @@ pub struct Measures {
 /// A line of the gate's table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figure {
-    /// Its name.
+    /// Name of the measure, for people.
     pub name: &'static str,
-    /// The measured value.
+    /// Measured value, in `unit`s.
     pub value: f64,
     /// Its unit; empty for a count.
     pub unit: &'static str,
-    /// Maximum allowed value.
+    /// Maximum allowed value, in `unit`s.
     pub bar: f64,
 }
 
@@ -108,7 +108,7 @@ impl Measures {
         all.map(|(kind, bytes)| (kind, ratio(bytes, self.events))).collect()
     }
 
-    /// The gate's table.
+    /// Lines of the gate's table, each with value and maximum.
     pub fn figures(&self) -> Vec<Figure> {
         let seconds = |name, value: Duration, bar| Figure {
             name,

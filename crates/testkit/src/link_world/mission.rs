@@ -13,7 +13,7 @@ const STATES: usize = 800;
 /// Average duration of a state on each branch.
 const STATE_MS: usize = 850;
 
-/// A recorded mission.
+/// A random mission, recorded in advance as a list of events.
 #[derive(Debug)]
 pub(super) struct Mission {
     events: Vec<MissionEvent>,

@@ -10,7 +10,7 @@ use rafcon_link::{
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// The one run.
+/// Stream of the only run.
 pub(super) const STREAM: StreamId = StreamId(1);
 pub(super) const ROBOT: &str = "scout";
 
@@ -134,7 +134,7 @@ impl Robot {
         self.server = Some(RobotServer { clock, sessions, head });
     }
 
-    /// Kills the server.
+    /// Ends the server without saving. Only the disk remains.
     pub(super) fn kill(&mut self) {
         self.server = None;
     }

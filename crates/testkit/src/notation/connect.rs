@@ -29,9 +29,9 @@ struct ConnectionEnd {
 
 #[derive(Debug)]
 enum ConnectionPlace {
-    /// `start` or `nowhere`
+    /// No state: `start` or `nowhere`.
     None,
-    /// `.part`
+    /// The container itself: `.part` without a state.
     Own,
     State(StateId),
 }

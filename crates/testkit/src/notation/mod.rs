@@ -21,7 +21,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {reason}")]
 pub struct NotationError {
-    /// Counted from 1.
+    /// Line of the text, counted from 1.
     pub line: usize,
     /// Counted from 1, in bytes.
     pub column: usize,

@@ -252,7 +252,7 @@ fn silence(random: &mut Random) -> Silence {
     Silence { link_ms: ms(), command_ms: ms() }
 }
 
-/// A random start.
+/// A random start, often at a random state.
 pub(crate) fn start(moment: &Moment<'_>, random: &mut Random) -> Start<Value> {
     let all = paths(moment.machine);
     let start_from = random.pick(&all).filter(|_| random.percent(60));

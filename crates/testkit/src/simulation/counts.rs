@@ -24,11 +24,11 @@ macro_rules! counts {
 }
 
 counts! {
-    /// States entered.
+    /// States entered, according to the engine.
     states_run,
     /// Runs that ended by themselves, before any stop.
     ended_by_themselves,
-    /// Commands accepted.
+    /// Commands accepted by the engine.
     commands_taken,
     /// Commands refused without a change.
     commands_refused,

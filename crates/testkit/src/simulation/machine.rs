@@ -30,7 +30,7 @@ pub(crate) struct Generator<'r> {
     text: String,
 }
 
-/// A random machine.
+/// A random machine, in the text notation.
 pub(crate) fn machine(random: &mut Random, handlers: bool) -> String {
     let mut generator = Generator { random, states: 0, handlers, text: String::new() };
     generator.state("ROOT", 0, 0);

@@ -33,7 +33,7 @@ pub struct Report {
 pub enum Width {
     /// Events of the first version of the simulation, in their order, so that failed seeds reproduce.
     First,
-    /// All events.
+    /// All events, including those added after the first version.
     Wide,
 }
 
