@@ -13,7 +13,7 @@ use rafcon_model::{
 };
 use rafcon_runner::Place;
 
-/// `rafcon._native.describe`
+/// `rafcon._native.describe`: facts about a state, as a dictionary.
 #[pyfunction]
 pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
     let place = place(py, path)?;
@@ -46,7 +46,7 @@ pub(crate) fn describe(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>>
     Ok(facts)
 }
 
-/// `rafcon._native.layout_of`
+/// `rafcon._native.layout_of`: left, top, width and height; `None` without a size.
 #[pyfunction]
 pub(crate) fn layout_of(py: Python<'_>, path: u32) -> PyResult<Option<(f64, f64, f64, f64)>> {
     let place = place(py, path)?;
@@ -95,7 +95,7 @@ fn child_id(program: &Program<Handle>, node: NodeId, index: usize) -> Option<Str
     Some(program.node(child).id().to_string())
 }
 
-/// Names by id.
+/// Names of the outcomes, by id.
 pub(crate) fn outcomes<'py>(py: Python<'py>, outcomes: &[Outcome]) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for outcome in outcomes {

@@ -55,7 +55,7 @@ impl<'py> Request<'_, 'py> {
         self.args.extract().map_err(Into::into)
     }
 
-    /// The only argument.
+    /// The only argument; any other number is an error.
     fn one<T: FromPyObjectOwned<'py>>(&self) -> PyResult<T> {
         self.all::<(T,)>().map(|(value,)| value)
     }

@@ -141,7 +141,7 @@ impl Handle {
         }
     }
 
-    /// The object itself.
+    /// The Python object; Python's `None` for an empty handle.
     pub(crate) fn bind<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         let object = self.0.as_ref().and_then(|object| object.python.as_ref());
         object.map_or_else(|| py.None().into_bound(py), |object| object.bind(py).clone())

@@ -25,7 +25,6 @@ const CHUNK: usize = 64 * 1024;
 const ROUNDS: usize = 16;
 /// Delay of reads from a pipe.
 const DELAY: Timespec = Timespec { tv_sec: 0, tv_nsec: 250_000_000 };
-/// No delay.
 const AT_ONCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 0 };
 /// Bytes in a pipe that are read without delay.
 const SOON: u64 = 16 * 1024;
@@ -191,7 +190,7 @@ struct Source {
     position: Option<u64>,
     /// Notices of a growing file.
     growth: Option<OwnedFd>,
-    /// An unfinished line.
+    /// Bytes of a line that has no end yet.
     rest: Vec<u8>,
     /// True if the last read left output.
     is_behind: bool,

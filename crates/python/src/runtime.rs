@@ -57,13 +57,13 @@ pub(crate) struct Runtime {
     pub(crate) configure: Py<PyAny>,
     /// Forwards printed and logged output of scripts to the run.
     pub(crate) install_capture: Py<PyAny>,
-    /// `builtins.__dict__`
+    /// Dictionary of Python's module `builtins`.
     pub(crate) builtins: Py<PyAny>,
     /// Returns the built-in names for a script that uses the dialogs of the desktop; `None` for other scripts.
     builtins_for: Py<PyAny>,
-    /// `copy.deepcopy`
+    /// The function `copy.deepcopy` of Python.
     pub(crate) deep_copy: Py<PyAny>,
-    /// `json.dumps`
+    /// The function `json.dumps` of Python.
     pub(crate) write_json: Py<PyAny>,
     /// Evaluates the condition of a breakpoint.
     pub(crate) check: Py<PyAny>,

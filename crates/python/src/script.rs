@@ -54,7 +54,7 @@ pub(crate) struct CompileContext {
 }
 
 impl Script {
-    /// Prepares a script.
+    /// Declares the types of the ports. The script is compiled later.
     pub(crate) fn new(
         py: Python<'_>,
         program: &Program<Handle>,

@@ -49,7 +49,7 @@ impl StateSlot {
         known.map(|(_, script)| Arc::clone(script))
     }
 
-    /// Caches the script.
+    /// Caches the script for this generation of the machine.
     pub(crate) fn set_script(&self, generation: u64, script: &Arc<Script>) {
         let before = self.script.lock().replace((generation, Arc::clone(script)));
         drop(before);

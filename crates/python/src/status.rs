@@ -22,7 +22,7 @@ pub(crate) fn place(py: Python<'_>, path: u32) -> PyResult<Arc<Place>> {
     place.ok_or_else(|| PyKeyError::new_err(format!("no state has the number {path}")))
 }
 
-/// `rafcon._native.status`
+/// `rafcon._native.status`: activity and data of a state, as a dictionary.
 #[pyfunction]
 pub(crate) fn status(py: Python<'_>, path: u32) -> PyResult<Bound<'_, PyDict>> {
     let place = place(py, path)?;
