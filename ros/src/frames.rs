@@ -48,7 +48,7 @@ pub(crate) fn read(from: &mut impl Read) -> Result<Option<(Json, Vec<u8>)>, Stri
     Ok(Some((value, bytes)))
 }
 
-/// Writes a frame.
+/// Writes the lengths, the text and the bytes of a frame.
 pub(crate) fn write(frame: &Frame, to: &mut impl Write) -> std::io::Result<()> {
     let (text, total) = (frame.text.len(), frame.text.len() + frame.bytes.len());
     let number = |value: usize| u32::try_from(value).unwrap_or(u32::MAX).to_le_bytes();

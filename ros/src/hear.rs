@@ -22,7 +22,7 @@ const UNANSWERED_MAX: usize = 10_000;
 /// Pending calls by the numbers of their requests.
 pub(crate) type Calls = Arc<Mutex<BTreeMap<i64, Call>>>;
 
-/// A pending call.
+/// A call that waits for its response.
 pub(crate) struct Call {
     /// Number of the call at the parent program.
     pub(crate) number: u64,
@@ -36,7 +36,7 @@ const LAST_WORDS: Duration = Duration::from_millis(600);
 /// Pending requests, with the recipients of their responses.
 pub(crate) type Asked = Arc<Mutex<Requests>>;
 
-/// See [`Asked`].
+/// Unanswered requests by number; the oldest are dropped beyond a limit.
 #[derive(Default)]
 pub(crate) struct Requests {
     next: u64,

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 /// two levels for each.
 const DEPTH_MAX: usize = 160;
 
-/// A value.
+/// A JSON value that may refer to the bytes behind the text.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Json {
     Null,

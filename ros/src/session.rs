@@ -26,7 +26,7 @@ use crate::{describe, settings};
 /// Time that a response waits until its client is discovered.
 const CLIENT_KNOWN: Duration = Duration::from_secs(1);
 
-/// A created object.
+/// A publisher, subscription, client or service of the program.
 enum Made {
     Publisher { publisher: Publisher, of: Arc<Type>, topic: String },
     Subscription { id: GUID, task: JoinHandle<()> },
@@ -66,7 +66,7 @@ impl Session {
         }
     }
 
-    /// Handles a frame.
+    /// Handles a request of the program. Replies if the request has a number.
     pub(crate) fn handle(&mut self, asked: &Json, bytes: &[u8]) {
         let done =
             asked.text("do").map(ToOwned::to_owned).and_then(|what| self.act(&what, asked, bytes));

@@ -70,7 +70,7 @@ impl Queue {
 }
 
 impl Publisher {
-    /// Publishes by `writer`.
+    /// Starts a task that publishes queued messages by `writer`.
     pub(crate) fn new(node: Node, writer: Writer) -> Self {
         let queue = Arc::new(Queue { waiting: Mutex::default(), more: Notify::new() });
         let (id, writer) = (writer.guid(), Arc::new(writer));

@@ -14,7 +14,7 @@ use tokio::net::UdpSocket;
 
 use super::graph::{self, Graph, Process};
 
-/// Interval of probes.
+/// Interval of the probes of a process.
 const PERIOD: Duration = Duration::from_millis(400);
 
 /// An RTPS 2.3 message without content: its header, an unknown vendor, and padding.

@@ -116,7 +116,7 @@ impl Node {
         &self.inner.participant
     }
 
-    /// Its absolute name.
+    /// Namespace and name, joined by `/`.
     pub(crate) fn name(&self) -> String {
         format!(
             "{}/{}",

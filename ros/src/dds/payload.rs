@@ -54,7 +54,7 @@ impl DefaultDecoder<Payload> for Plain {
     const DECODER: PlainDecoder = PlainDecoder;
 }
 
-/// Copies the bytes.
+/// Decoder that copies the bytes of a message.
 #[derive(Clone)]
 pub(crate) struct PlainDecoder;
 

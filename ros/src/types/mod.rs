@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The largest message that is certain to arrive, in bytes.
 pub(crate) const MESSAGE_MAX: usize = 33 << 20;
 
-/// A primitive type.
+/// A primitive type of ROS interfaces.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) enum Primitive {
     Bool,
@@ -140,7 +140,7 @@ pub(crate) struct Field {
 /// A message type, or a part of a service or an action.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Message {
-    /// `geometry_msgs/msg/Twist`, `std_srvs/srv/Trigger_Request`.
+    /// Full name, such as `geometry_msgs/msg/Twist` or `std_srvs/srv/Trigger_Request`.
     pub(crate) name: String,
     pub(crate) fields: Vec<Field>,
     pub(crate) constants: Vec<(String, Primitive, Literal)>,
