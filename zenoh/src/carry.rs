@@ -31,7 +31,7 @@ impl LastHeard {
         Self { since: Instant::now(), at: AtomicU64::new(0) }
     }
 
-    /// Records an arrival.
+    /// Records that something arrived now.
     pub(crate) fn note(&self) {
         let now = u64::try_from(self.since.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.at.store(now.max(1), Ordering::Release);
@@ -72,7 +72,7 @@ pub(crate) async fn keep_session<F: Future<Output = Result<()>>>(
     }
 }
 
-/// Opens a session.
+/// Opens a session of Zenoh with the configuration of `network`.
 async fn open(network: &Network) -> Result<Session> {
     let opened = zenoh::open(network.config()?).await;
     opened.map_err(|error| anyhow!(error).context("cannot open a session of Zenoh"))

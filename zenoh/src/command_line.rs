@@ -19,7 +19,7 @@ pub(crate) struct CommandLine {
     pub(crate) side: Side,
 }
 
-/// The Zenoh network.
+/// Settings of the Zenoh network, for both sides.
 #[derive(Debug, Args)]
 pub(crate) struct Network {
     /// Zenoh's configuration, as a JSON5 file: mode, endpoints, certificates
@@ -108,7 +108,7 @@ pub(crate) fn complain(text: &str) {
     writeln!(std::io::stderr(), "{text}").unwrap_or_default();
 }
 
-/// Prints an answer.
+/// Prints a line to the standard output; ignores a closed one.
 pub(crate) fn print(text: &str) {
     writeln!(std::io::stdout(), "{text}").unwrap_or_default();
 }
