@@ -1,6 +1,6 @@
 //! Sent and received bytes of a side, by type of frame.
 
-use crate::frame::Frame;
+use crate::frame::{Events, Frame};
 use crate::profile::CARRIER_OVERHEAD;
 use std::collections::BTreeMap;
 
@@ -32,7 +32,11 @@ impl Frame<'_> {
     /// Its kind, as people call it.
     fn kind(&self) -> &'static str {
         match self {
-            Self::Events(events) | Self::Coded { events, .. } if events.stream.is_files() => {
+            Self::Events(Events { stream, .. })
+            | Self::Coded { events: Events { stream, .. }, .. }
+            | Self::Large { stream, .. }
+                if stream.is_files() =>
+            {
                 "machines"
             }
             Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",

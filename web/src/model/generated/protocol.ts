@@ -94,7 +94,7 @@ export type Change = { "change": "state",
 
 /** Request of a user to change the own password. */
 export type ChangePassword = {
-  /** The current password. */
+  /** Current password, as proof of identity. */
   password: string,
   /** The new password, of at least 10 characters. */
   new_password: string, };
@@ -162,7 +162,7 @@ export type Command = { "type": "start",
   outcome: number, } | { "type": "preempt",
   /** Path of the state. */
   path: string, } | { "type": "set_breakpoint",
-  /** The whole breakpoint. */
+  /** All settings of the breakpoint, with its id. */
   breakpoint: Breakpoint, } | { "type": "remove_breakpoint",
   /** Id of the breakpoint. */
   id: number, } | { "type": "answer_question",
@@ -644,7 +644,7 @@ export type Envelope = {
   not_before?: number,
   /** Epoch of authority under which the sender decided. The command is refused if control has passed since. */
   epoch?: number,
-  /** The command itself. */
+  /** The command to execute. */
   command: Command, };
 
 /** One event of a run. Paths are state ids joined by `/`. Values are encoded as in `docs/protocol.md`. */
@@ -700,7 +700,7 @@ export type Event = { "type": "entered",
   id: number, } | { "type": "forced",
   /** Path of the state. */
   path: string,
-  /** The chosen outcome. */
+  /** Outcome that the user chose. */
   outcome: Outcome, } | { "type": "dropped",
   /** Path of the state. */
   path: string, } | { "type": "root",
@@ -793,7 +793,7 @@ export type EventDetail = {
   sequence: number,
   /** Time since the start of the run, in ns. */
   t_ns: number,
-  /** The event itself. */
+  /** Content of the event, without number and time. */
   event: Event, };
 
 /** A page of a run's history. */
@@ -836,7 +836,7 @@ export type EventTime = {
 /** Time after which a command must not be executed: ms since 1970, UTC, by the runner's clock. */
 export type Expiry = number;
 
-/** Export format. */
+/** File format of an exported run. */
 export type ExportFormat = "jsonl" | "csv" | "mcap";
 
 /** Format of an export, and a filter for its events. Empty fields do not filter. */
@@ -869,7 +869,7 @@ export type FileNode = {
   name: string,
   /** Path from the project's folder, joined by `/`. */
   path: string,
-  /** Kind of folder. */
+  /** A machine, or a folder with further folders. */
   kind: NodeKind,
   /** Content of a folder. A machine has no children. */
   children?: Array<FileNode>,
@@ -943,7 +943,7 @@ export type HeaderDocument = {
 
 /** Proof that the server is running. It needs no login. */
 export type Health = {
-  /** Always `rafcon`. */
+  /** Name of the program: always `rafcon`. */
   program: string,
   /** Version of the server. */
   version: string, };
@@ -961,7 +961,7 @@ export type HistoryEntry = {
   sequence: number,
   /** Time since the start of the run, in ns. */
   t_ns: number,
-  /** The event itself. */
+  /** Content of the event, without number and time. */
   event: Event, };
 
 /** Search for text in a run. */
@@ -995,7 +995,7 @@ export type JsonValue = number | string | boolean | Array<JsonValue> | { [key in
 export type JumpMachine = {
   /** Id chosen by the sender. Repeated requests with one id are executed once. */
   id: string,
-  /** Revision to restore. */
+  /** Number of the revision to restore. */
   revision: number,
   /** True to restore even if this undoes steps of other users. */
   over_others: boolean, };
@@ -1015,7 +1015,7 @@ export type KeptAs = { "kept": "view" } | { "kept": "pickle",
   takes_ms: number | null,
   /** Progress of the current or last fetch. */
   fetch: ValueFetch | null, } | { "kept": "nothing",
-  /** Reason, in words. */
+  /** Reason why no form exists, for people. */
   reason: string, };
 
 /** Selects a machine of a run. */
@@ -1043,7 +1043,7 @@ export type KeptValue = {
   takes_ms: number | null,
   /** Progress of the current or last fetch. */
   fetch: ValueFetch | null, } | { "kept": "nothing",
-  /** Reason, in words. */
+  /** Reason why no form exists, for people. */
   reason: string, });
 
 /** Layout of a state and its parts: the JSON of the reference's `meta_data.json` (see "layout" in `docs/format.md`). */
@@ -1075,7 +1075,7 @@ export type LibraryName = {
 export type LibraryNode = {
   /** Name of the folder: one part of a library path. */
   name: string,
-  /** Kind of folder. */
+  /** A library, or a folder with further folders. */
   kind: LibraryNodeKind,
   /** Content of a folder. */
   children?: Array<LibraryNode>, };
@@ -1324,7 +1324,7 @@ export type MachineStep = {
   name: string,
   /** Time of the change: ms since 1970, UTC. */
   at_ms: number,
-  /** Kind of change. */
+  /** Origin of the change: edit, undo, redo, reload or jump. */
   kind: RevisionKind,
   /** Earliest known revision with identical content, if there is one. */
   same_as?: number | null,
@@ -1484,7 +1484,7 @@ export type MomentState = {
 export type NamedValue = {
   /** Name of the port or variable. Empty if it has no name. */
   name: string,
-  /** The recorded value. */
+  /** The recorded value, with a view limited in size. */
   value: KeptValue, };
 
 /** Request to create and open a new machine. */
@@ -1669,7 +1669,7 @@ export type PlanFinding = {
   is_error: boolean,
   /** Libraries that cause the fault. */
   libraries?: Array<string>,
-  /** Description and remedy. */
+  /** Description of the fault and its remedy. */
   text: string, };
 
 /** A valid plan and its machine. */
@@ -1752,7 +1752,7 @@ export type PlanSkill = {
   title: string,
   /** Name of the PDDL action. */
   action: string,
-  /** Description for people. */
+  /** Description from the skill's annotation, for people. */
   description: string,
   /** Parameters of the action. */
   parameters: Array<PlanParameter>,
@@ -1852,7 +1852,7 @@ export type Question = {
 export type Refusal = {
   /** Stable code in `snake_case`, for programs. */
   code: string,
-  /** Message for people. */
+  /** Cause, location and remedy, for people. */
   message: string, };
 
 /** Release of a list, as a user requests it. */
@@ -1902,7 +1902,7 @@ export type Revision = {
   name: string,
   /** Time of the change: ms since 1970, UTC. */
   at_ms: number,
-  /** Kind of change. */
+  /** Origin of the change: edit, undo, redo, reload or jump. */
   kind: RevisionKind,
   /** Earliest known revision with identical content, if there is one. */
   same_as?: number | null,
@@ -1969,11 +1969,11 @@ export type RunPhase = { "phase": "starting" } | { "phase": "live" } | { "phase"
   outcome: Outcome,
   /** Number of states that it executed. */
   states_run: number, } | { "phase": "crashed" } | { "phase": "diverged",
-  /** Cause and remedy. */
+  /** Cause and remedy, for people. */
   reason: string, } | { "phase": "not_started",
-  /** Cause, in words. */
+  /** Cause of the failed start, for people. */
   reason: string, } | { "phase": "unreadable",
-  /** Cause, in words. */
+  /** Cause of the failed read, for people. */
   reason: string, };
 
 /** Final values of a run, by name. */
@@ -2019,11 +2019,11 @@ export type RunSummary = {
   outcome: Outcome,
   /** Number of states that it executed. */
   states_run: number, } | { "phase": "crashed" } | { "phase": "diverged",
-  /** Cause and remedy. */
+  /** Cause and remedy, for people. */
   reason: string, } | { "phase": "not_started",
-  /** Cause, in words. */
+  /** Cause of the failed start, for people. */
   reason: string, } | { "phase": "unreadable",
-  /** Cause, in words. */
+  /** Cause of the failed read, for people. */
   reason: string, });
 
 /** Cause of a run's wait. */
@@ -2033,7 +2033,7 @@ export type RunWait = "answer" | "decision" | "paused" | "other";
 export type RuntimeValueDocument = {
   /** Id of the port. */
   port: number,
-  /** The set value. */
+  /** Value for the port. `null` or a missing value is `None`. */
   value?: JsonValue,
   /** True to use the value instead of the library's default. */
   used: boolean, };
@@ -2107,7 +2107,7 @@ export type Selection = {
 export type ServerStatus = {
   /** Number that changes with every change of a project or library file. Clients then request the trees again. */
   files_revision: number,
-  /** All open machines. */
+  /** All open machines, saved or not. */
   machines: Array<MachineSummary>,
   /** Active runs, and runs that changed since the server started, the newest first. */
   runs: Array<RunSummary>, };
@@ -2127,7 +2127,7 @@ export type Session = {
 
 /** Unsaved edits of a machine that were set aside. */
 export type SetAsideDraft = {
-  /** Id for requests. */
+  /** Id that selects these edits in requests. */
   id: string,
   /** Time in ms since 1970, UTC. 0 if an earlier version of the server set it aside. */
   at_ms: number,
@@ -2232,9 +2232,9 @@ export type StateDocument = {
   path: string,
   /** Id of the state, only if it is invalid (empty, or with a `/`) and so cannot be derived from the path. */
   id?: string | null,
-  /** Name for people. */
+  /** Name for people, not necessarily unique. */
   name: string,
-  /** Kind of state. */
+  /** Kind of state, which determines the fields that apply. */
   kind: StateKind,
   /** Description in Markdown, for people. */
   description?: string | null,
@@ -2261,7 +2261,7 @@ export type StateDocument = {
   /** Unknown keys of the file. */
   extra?: JsonValue | null, };
 
-/** Kind of state. */
+/** Kind of state, which determines what the state runs. */
 export type StateKind = "execution" | "decider" | "hierarchy" | "barrier" | "preemptive" | "library";
 
 /** Execution statistics of a state. Steps back are not counted. */
@@ -2343,7 +2343,7 @@ export type ToClient = { "frame": "welcome",
   before: Before, } | { "frame": "revisions",
   /** Number of the subscription. */
   subscription: number,
-  /** Revisions in order. */
+  /** The revisions, the oldest first. */
   revisions: Array<Revision>, } | { "frame": "reset",
   /** Number of the subscription. */
   subscription: number,
@@ -2402,11 +2402,11 @@ export type ToServer = { "frame": "subscribe",
   edit: EditMachine, } | { "frame": "undo",
   /** Id of the machine. */
   machine: string,
-  /** The undo request. */
+  /** The request, with the id of the undo. */
   undo: Undo, } | { "frame": "redo",
   /** Id of the machine. */
   machine: string,
-  /** The redo request. */
+  /** The request, with the id of the redo. */
   redo: Undo, } | { "frame": "presence",
   /** Id of the machine. */
   machine: string,
@@ -2522,7 +2522,7 @@ export type WatchKind = "state" | "input" | "output" | "scoped_variable" | "glob
 
 /** A value, or all values of a state, to watch. */
 export type WatchTarget = {
-  /** Kind of value. */
+  /** Kind of the watched value or values. */
   kind: WatchKind,
   /** Path of the state: ids from the root, joined by `/`. Empty for global variables. */
   path: string,
