@@ -1,18 +1,18 @@
-"""The one door to the compiled module ``rafcon._native``.
+"""Access to the compiled module ``rafcon._native``.
 
-Everything that asks the running machine something imports ``native`` from here. Without the compiled module, or in a
-plain interpreter, ``native`` answers every question with :class:`NoRunningMachine`.
+All code that queries the running machine imports ``native`` from here. Without the compiled module,
+or in a plain interpreter, every attribute of ``native`` raises :class:`NoRunningMachine`.
 """
 
 import importlib
 
 
 class NoRunningMachine(RuntimeError):
-    """Asked for something that only exists while a state machine runs."""
+    """Something was requested that only exists while a state machine runs."""
 
 
 class _Absent:
-    """Stands in for the compiled module where there is none."""
+    """Replacement for the compiled module if it is not installed."""
 
     def __getattr__(self, name):
         raise NoRunningMachine(
@@ -21,7 +21,7 @@ class _Absent:
         )
 
     def current_path(self):
-        """No state runs on any thread here."""
+        """Return -1: no state runs on any thread."""
         return -1
 
 

@@ -1,7 +1,7 @@
-"""Sends what scripts print to the running machine, with the state that printed it.
+"""Sends the output of scripts to the running machine, with the state that printed it.
 
-Lines of one write are one entry. Unfinished text waits, for each thread and stream apart, until its end, a flush, or the end
-of the script. A progress bar is one entry.
+Lines of one write are one entry. Unfinished text is kept, per thread and stream, until its line
+ends, a flush, or the end of the script. A progress bar is one entry.
 """
 
 import io
@@ -28,7 +28,7 @@ def key_of(stream):
 
 
 class Writer(io.TextIOBase):
-    """Stands in for ``sys.stdout`` or ``sys.stderr``; in a forked child it is the original again."""
+    """Replacement for ``sys.stdout`` or ``sys.stderr``; a forked child writes to the original."""
 
     def __init__(self, stream, original):
         io.TextIOBase.__init__(self)
@@ -39,7 +39,7 @@ class Writer(io.TextIOBase):
 
     @property
     def name(self):
-        """As of the original: ``<stdout>`` or ``<stderr>``."""
+        """Name of the original stream: ``<stdout>`` or ``<stderr>``."""
         return f"<{self._stream}>"
 
     @property
@@ -49,33 +49,33 @@ class Writer(io.TextIOBase):
 
     @property
     def errors(self):
-        """How text that UTF-8 cannot carry is written."""
+        """Error handler for characters that UTF-8 cannot encode."""
         return "backslashreplace"
 
     @property
     def buffer(self):
-        """Takes bytes."""
+        """Binary stream that decodes bytes and writes them as text."""
         return self._buffer
 
     @property
     def is_captured(self):
-        """Whether text goes to the running machine; False in a forked child."""
+        """True if text is sent to the running machine; False in a forked child."""
         return not self._forked
 
     def writable(self):
-        """Always."""
+        """Return True."""
         return True
 
     def fileno(self):
-        """The process's own descriptor, for programs that a script starts."""
+        """File descriptor of the original stream, for programs that a script starts."""
         return self._original.fileno()
 
     def isatty(self):
-        """Never: printed text becomes messages."""
+        """Return False: printed text becomes messages."""
         return False
 
     def write(self, text):
-        """Sends the text once it ends a line; returns the number of characters."""
+        """Send the text once its line ends; return the number of characters."""
         if not isinstance(text, str):
             raise TypeError(f"write() argument must be str, not {type(text).__name__}")
         if self._forked:
@@ -97,7 +97,7 @@ class Writer(io.TextIOBase):
         return len(text)
 
     def flush(self):
-        """Sends the unfinished text of the calling thread, except for a progress bar."""
+        """Send the unfinished text of the calling thread, except for a progress bar."""
         if self._forked:
             self._original.flush()
             return
@@ -112,12 +112,12 @@ class Writer(io.TextIOBase):
             pending[at] = (path, line)
 
     def released(self):
-        """Writes to the original from now on: the machine does not live in this process."""
+        """Write to the original from now on: the machine runs in another process."""
         self._forked = True
 
 
 class _Bytes(io.RawIOBase):
-    """``sys.stdout.buffer``: bytes become text."""
+    """Binary stream of a writer: decodes bytes to text."""
 
     def __init__(self, writer):
         io.RawIOBase.__init__(self)
@@ -139,7 +139,7 @@ class _Bytes(io.RawIOBase):
 
 
 def _folded(text):
-    """The text with the newest state of each progress bar; carriage returns mark the unfinished one."""
+    """Reduce each progress bar to its newest drawing; carriage returns mark an unfinished one."""
     if "\r" not in text:
         return text
     if "\x1b[A" in text:
@@ -151,7 +151,7 @@ def _folded(text):
 
 
 def _newest(line):
-    """The last drawing of a progress bar, or the line itself."""
+    """Last drawing of a progress bar, or the line itself."""
     if "\r" not in line:
         return line
     drawings = [drawing for drawing in line.split("\r") if drawing.strip()]
@@ -159,7 +159,7 @@ def _newest(line):
 
 
 def _send(path, stream, text):
-    """Sends text as one entry, in pieces of whole lines if it is long."""
+    """Send text as one entry, or in pieces of whole lines if it is long."""
     text = "\n".join(map(_newest, _folded(text).split("\n")))
     while len(text) > _ENTRY_MAX:
         end = text.rfind("\n", 0, _ENTRY_MAX)
@@ -174,14 +174,14 @@ def _emit(path, stream, text):
 
 
 def flush_capture():
-    """Sends the unfinished text of the calling thread."""
+    """Send the unfinished text of the calling thread."""
     thread = threading.get_ident()
     for key in [key for key in list(pending) if key[0] == thread]:
         _flush(key)
 
 
 def flush_all():
-    """Sends the unfinished text of every thread; for the end of the process."""
+    """Send the unfinished text of every thread, at the end of the process."""
     for key in list(pending):
         _flush(key)
 
@@ -193,13 +193,13 @@ def _flush(key):
 
 
 def install():
-    """Puts the writers in place of ``sys.stdout`` and ``sys.stderr``."""
+    """Replace ``sys.stdout`` and ``sys.stderr`` by writers."""
     sys.stdout = Writer("stdout", sys.stdout)
     sys.stderr = Writer("stderr", sys.stderr)
 
 
 def release():
-    """In a forked child: forgets the parent's unfinished text, and prints to the real streams."""
+    """In a forked child: discard the parent's unfinished text, print to the original streams."""
     pending.clear()
     for writer in (sys.stdout, sys.stderr):
         if isinstance(writer, Writer):

@@ -14,7 +14,7 @@ _COMPILED_MAX = 1000
 
 
 class Variables(Mapping):
-    """The global variables by name: to be read, each as a copy, locked or not."""
+    """Read-only mapping of the global variables by name, locked ones included."""
 
     def __getitem__(self, name):
         found, value, _kept = global_variables._resolve(name)
@@ -29,12 +29,12 @@ class Variables(Mapping):
         return len(global_variables.get_all_keys())
 
     def get_variable(self, key, default=None):
-        """As in scripts: the value, or ``default`` if there is no such variable."""
+        """Value of a variable, or ``default`` if there is no such variable, as in scripts."""
         return self.get(str(key), default)
 
 
 def check(text, inputs, outputs, scoped, outcome):
-    """Whether a condition is true. ``outputs`` and ``outcome`` (its name) are None before the state runs."""
+    """Evaluate a condition. ``outputs`` and ``outcome`` (a name) are None before the state runs."""
     names = {
         "__builtins__": builtins.__dict__,
         "inputs": MappingProxyType(inputs),
@@ -52,6 +52,6 @@ def _code(text):
 
 
 def reason(error):
-    """An error in few words."""
+    """Short description of an error: its class and message."""
     text = getattr(error, "msg", None) if isinstance(error, SyntaxError) else str(error)
     return f"{type(error).__name__}: {text}"[:_TEXT_MAX] if text else type(error).__name__

@@ -1,4 +1,4 @@
-"""``input`` and debuggers in scripts: answered at the terminal of ``rafcon run``, refused with advice elsewhere."""
+"""``input`` and debuggers in scripts: asked at the terminal of ``rafcon run``, else an error."""
 
 import builtins
 import os
@@ -18,7 +18,7 @@ _has_terminal = False
 
 
 def install():
-    """Replaces ``input``, which Python's debugger uses too."""
+    """Replace ``input``, which Python's debugger uses too."""
     global _has_terminal
     _has_terminal = bool(os.environ.pop(_HAS_KEYS, ""))
     builtins.input = _ask

@@ -1,7 +1,8 @@
-"""What dialog scripts of old find where they look for a desktop: dialogs that are questions of the run.
+"""Replacement for the GTK modules that old dialog scripts import: dialogs are questions of the run.
 
-Only modules that name ``rafcon.gui.utils`` and its dialogs get it, whether a desktop is installed or not: without its
-main loop, which a run has not, they would wait for ever. Everything else that looks for a desktop finds what there is.
+Only modules that name ``rafcon.gui.utils`` and its dialogs get it, whether a desktop is installed
+or not. With the real toolkit they would wait forever, because a run has no GTK main loop. All other
+modules import the installed toolkit.
 """
 
 import builtins
@@ -11,7 +12,7 @@ from rafcon.gui.utils.dialog import _OK
 
 
 class _Constants:
-    """Names of a toolkit that only choose how a window looks: each is its own name."""
+    """Constants of a toolkit that only affect the appearance of a window. Each is its own name."""
 
     def __init__(self, name):
         self._name = name
@@ -33,11 +34,11 @@ class _Responses(_Constants):
 
 
 class _GLib:
-    """Calls at once what wants to be called on the thread of the desktop."""
+    """Replacement for ``GLib`` that calls functions at once, not on the desktop's thread."""
 
     @staticmethod
     def idle_add(function, *arguments, **_priority):
-        """Calls the function; 0 stands for the number of a source that is gone."""
+        """Call the function; return 0 as the id of a source that has been removed."""
         function(*arguments)
         return 0
 
@@ -54,7 +55,7 @@ def _toolkit():
 
 
 def builtins_with_dialogs():
-    """The built-in names for such a module: ``import`` finds the toolkit of this one."""
+    """Built-in names for such a module: ``import gi`` returns the toolkit of this module."""
     gi = _toolkit()
 
     def find(name, module=None, local_names=None, wanted=(), level=0):

@@ -1,7 +1,7 @@
-"""Which modules find dialogs where they look for a desktop: scripts of a run, and the modules that those import.
+"""Selects the modules that get dialogs instead of a desktop: scripts of a run, and their imports.
 
-With ``RAFCON_DIALOGS=missing`` in the environment none does, so that they take the way that they have for a machine
-without a desktop.
+With ``RAFCON_DIALOGS=missing`` in the environment no module gets them, so that scripts fall back to
+their code for a computer without a desktop.
 """
 
 import importlib.machinery
@@ -13,14 +13,14 @@ from rafcon._bridge import native
 
 
 def are_present():
-    """Whether who asks now, a script or what it imports, may open dialogs."""
+    """True if the caller, a script or a module that it imports, may open dialogs."""
     if os.environ.get("RAFCON_DIALOGS") == "missing":
         return False
     return _objects.is_host() or native.current_path() >= 0
 
 
 def builtins_for(module):
-    """The built-in names for the text of a script that may open dialogs; None for the usual ones."""
+    """Built-in names for the text of a script that may open dialogs; None for the usual ones."""
     if not (are_present() and "rafcon.gui.utils" in module and "dialog" in module):
         return None
     from rafcon import _desktop  # as late as this, for it takes long to load and is rarely wanted
@@ -29,7 +29,7 @@ def builtins_for(module):
 
 
 class _Finder(importlib.machinery.PathFinder):
-    """In the place of Python's own finder of files: the same modules, with dialogs for those that open some."""
+    """Path finder that gives dialogs to the modules that open them."""
 
     @classmethod
     def find_spec(cls, fullname, path=None, target=None):
@@ -53,7 +53,7 @@ _INSTALLED = tuple({os.path.join(prefix, "lib") + os.sep for prefix in (sys.pref
 
 
 def install():
-    """Modules that are imported from now on may open dialogs."""
+    """Let modules that are imported from now on open dialogs."""
     places = [number for number, finder in enumerate(sys.meta_path) if finder is importlib.machinery.PathFinder]
     if places and os.environ.get("RAFCON_DIALOGS") != "missing":
         sys.meta_path[places[0]] = _Finder

@@ -1,6 +1,6 @@
-"""Runs of a machine that a program has built, in the program's own process: one at a time.
+"""Runs of a machine that a program has built, in the program's own process, one at a time.
 
-The engine is given the machine as it is in memory: a start writes no file, unless a journal is wanted.
+The engine receives the machine from memory. A start writes no file, unless a journal is requested.
 """
 
 import json
@@ -27,10 +27,11 @@ _TRIES = 100
 
 
 class Run:
-    """One run. :meth:`begin` sends it off and waits until it has begun.
+    """One run. :meth:`begin` starts it and waits until it has begun.
 
-    The ``engine`` learns of each branch that is held, and of the end. ``wanted`` are words of
-    the launch; ``folder`` is that of the journal, if one is to be kept.
+    The ``engine`` is notified of each branch that is held, and of the end. ``wanted`` holds fields
+    of the launch message. ``folder`` is the folder of the journal, or None for a run without a
+    journal.
     """
 
     def __init__(self, machine, engine, wanted, inputs=None, folder=None):
@@ -55,7 +56,7 @@ class Run:
         self._reader = threading.Thread(target=self._read, args=(ours,), name="rafcon run's log")
 
     def begin(self):
-        """Lets the machine run, and waits until it does; ``RuntimeError`` if it cannot."""
+        """Start the machine and wait until it runs; ``RuntimeError`` if it cannot be run."""
         self._is_sent = True
         self._host.start()
         self._begun.wait()
@@ -124,7 +125,7 @@ class Run:
             logger.log(_LEVELS.get(event["level"], logging.INFO), event["message"])
 
     def join(self, timeout=None):
-        """Waits for the end; False if the time (s) ran out."""
+        """Wait for the end; False if the timeout (s) expired."""
         if not self._is_sent:
             return True
         if not self._over.wait(timeout):
@@ -133,15 +134,15 @@ class Run:
         return True
 
     def is_over(self):
-        """Whether it has ended."""
+        """True if the run has ended or was not started."""
         return not self._is_sent or self._over.is_set()
 
     def retire(self):
-        """Another run follows in this process: from now on only the end of this one is known."""
+        """Mark the run as replaced by a newer one: only its end stays known."""
         self._is_last = False
 
     def live(self, state):
-        """What a state of the machine holds and does now, or did last."""
+        """Data and status of a state of the machine: current, or those of the end of the run."""
         live = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0, "entered_ns": 0}
         live.update(input_data={}, output_data={}, scoped_data={})
         if self._is_last:
@@ -153,9 +154,10 @@ class Run:
 
 
 def run_folder(machine, journal):
-    """Makes the folder of a run that keeps a journal: in the folder ``journal``, or where ``rafcon run`` keeps its runs.
+    """Create the folder of a run that keeps a journal.
 
-    Old runs there are deleted as ``rafcon run`` deletes them.
+    Its parent is the folder ``journal``, or the folder of ``rafcon run`` if ``journal`` is True.
+    Old runs in the parent are deleted by the rules of ``rafcon run``.
     """
     runs = os.path.abspath(_usual_runs() if journal is True else os.fspath(journal))
     os.makedirs(runs, exist_ok=True)

@@ -1,7 +1,8 @@
-"""What a forked child is: a process of its own that has nothing to do with the run.
+"""Separates a forked child from the run: it is a process of its own.
 
-Scripts fork by ``os.fork`` and ``multiprocessing``. The child prints and logs to the real streams, has its own copy of
-the global variables, and dies of the signals that end a process; in the parent those are the runner's.
+Scripts fork with ``os.fork`` and ``multiprocessing``. The child prints and logs to the original
+streams, and has its own copy of the global variables. Signals that end a process end the child; in
+the parent the runner handles them.
 """
 
 import os
@@ -20,17 +21,17 @@ _masks = threading.local()
 
 
 def install():
-    """From now on every forked child is told what it is."""
+    """Separate every child forked from now on from the run."""
     os.register_at_fork(before=_before, after_in_parent=_in_parent, after_in_child=_in_child)
 
 
 def install_in_program():
-    """Prepares forks of a program that runs machines itself. Its output and signals stay its own."""
+    """Prepare forks of a program that runs machines itself; keep its output and signals."""
     os.register_at_fork(after_in_child=_become_main_thread)
 
 
 def _before():
-    # Block signals until the child has its own handlers; otherwise they would reach the runner through its handlers.
+    # Block signals until the child has its own handlers; otherwise the runner's handlers would run.
     _masks.before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
 
 
@@ -51,16 +52,17 @@ def _in_child():
 
 
 def _become_main_thread():
-    """Makes the only thread of the child a main thread, whose end waits for other threads.
+    """Make the only thread of the child a main thread, which waits for other threads at its end.
 
-    Up to CPython 3.12 ``threading`` takes a thread that it did not start for one without an end, and fails there.
+    Up to CPython 3.12 ``threading`` assumes that a thread that it did not start never ends, and
+    fails.
     """
     if isinstance(threading.current_thread(), threading._DummyThread) and hasattr(threading.Thread, "_set_tstate_lock"):
         threading._main_thread = threading._MainThread()
 
 
 def finish(error):
-    """The end of a child whose script has returned or raised: waits for its threads, and returns the exit code."""
+    """Wait for the threads of a child whose script returned or raised; return the exit code."""
     threading._shutdown()
     for stream in (sys.stdout, sys.stderr):
         stream.flush()

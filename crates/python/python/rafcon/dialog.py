@@ -1,4 +1,4 @@
-"""Questions of a state to people, answered wherever somebody watches the run: in the terminal, in a browser.
+"""Questions of a state to people, answered where the run is watched: in the terminal, in a browser.
 
     from rafcon import dialog
 
@@ -6,13 +6,14 @@
         answer = dialog.ask("Is the gripper empty?", ["yes", "no"], timeout=60, default="no")
         return "success" if answer.label == "yes" else "retry"
 
-Each function asks, waits for the end of the question, and returns what was answered. ``timeout`` is in seconds. When
-the time is over the ``default`` counts; without one, ``TimeoutError`` is raised. ``lost_link`` is a time in seconds,
-too: the question also ends so once the ground was not heard for that long. If the state is preempted, or the run
-stopped, :class:`~rafcon.core.custom_exceptions.StatePreempted` is raised and the state leaves by *preempted*; a state
-that is preempted already cannot ask.
+Each function asks, waits until the question is closed, and returns the answer. ``timeout`` is in
+seconds. When it expires, the result is ``default``; without a default, ``TimeoutError`` is raised.
+``lost_link`` (s) closes a question in this manner, too, once the ground has been silent for that
+time. If the state is preempted, or the run stopped,
+:class:`~rafcon.core.custom_exceptions.StatePreempted` is raised and the state leaves by
+*preempted*. A state that is already preempted cannot ask.
 
-A question is asked on the thread of the script. Nobody need be connected: it stays open until somebody is.
+A question is asked on the thread of the script. It stays open if no person is connected.
 """
 
 import json
@@ -29,7 +30,7 @@ _OK_CANCEL = ("OK", "Cancel")
 
 @dataclass(frozen=True)
 class Pressed:
-    """The answer of :func:`ask`, and what the other answers have in common."""
+    """Answer of :func:`ask`; base class of the other ones."""
 
     #: The button: its index, from 0.
     button: int
@@ -41,7 +42,7 @@ class Pressed:
 
 @dataclass(frozen=True)
 class Text(Pressed):
-    """The answer of :func:`text`."""
+    """Answer of :func:`text`."""
 
     #: Content of the line.
     text: str
@@ -49,7 +50,7 @@ class Text(Pressed):
 
 @dataclass(frozen=True)
 class Number(Pressed):
-    """The answer of :func:`number`."""
+    """Answer of :func:`number`."""
 
     #: An ``int`` if whole numbers were requested, else a ``float``.
     number: float
@@ -57,14 +58,17 @@ class Number(Pressed):
 
 @dataclass(frozen=True)
 class Checks(Pressed):
-    """The answer of :func:`checks`."""
+    """Answer of :func:`checks`."""
 
     #: One value for each box, in order.
     checked: tuple
 
 
 def ask(message, buttons=("OK",), timeout=None, default=None, lost_link=None):
-    """Asks for one of some buttons; returns :class:`Pressed`. ``default`` is the label or the index of a button."""
+    """Ask for one of several buttons; return :class:`Pressed`.
+
+    ``default`` is the label or the index of a button.
+    """
     buttons = _labels(buttons)
     form = {"type": "buttons", "buttons": buttons}
     answer = None if default is None else {"button": _index(buttons, default)}
@@ -73,7 +77,7 @@ def ask(message, buttons=("OK",), timeout=None, default=None, lost_link=None):
 
 
 def text(message, initial="", buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None):
-    """Asks for a line of text; returns :class:`Text`. ``default`` is a text, with the first button."""
+    """Ask for a line of text; return :class:`Text`. ``default`` is a text for the first button."""
     form = {"type": "text", "buttons": _labels(buttons), "initial": str(initial)}
     answer = None if default is None else {"button": 0, "text": str(default)}
     button, label, timed_out, answer = _asked(message, form, (timeout, lost_link), answer)
@@ -83,9 +87,9 @@ def text(message, initial="", buttons=_OK_CANCEL, timeout=None, default=None, lo
 def number(
     message, minimum=None, maximum=None, initial=None, whole=False, buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None
 ):
-    """Asks for a number from ``minimum`` to ``maximum``; returns :class:`Number`.
+    """Ask for a number from ``minimum`` to ``maximum``; return :class:`Number`.
 
-    ``default`` is a number, with the first button. Only whole numbers are taken if ``whole`` is set.
+    ``default`` is a number, with the first button. With ``whole``, only whole numbers are accepted.
     """
     form = {
         "type": "number",
@@ -101,9 +105,9 @@ def number(
 
 
 def checks(message, boxes, initial=(), buttons=_OK_CANCEL, timeout=None, default=None, lost_link=None):
-    """Asks which boxes to tick; returns :class:`Checks`.
+    """Ask which boxes to tick; return :class:`Checks`.
 
-    ``initial`` and ``default`` are truths, one for each box; ``default`` counts with the first button.
+    ``initial`` and ``default`` have one truth value for each box. ``default`` has the first button.
     """
     boxes = _labels(boxes)
     form = {"type": "checks", "buttons": _labels(buttons), "boxes": boxes, "initial": _truths(initial)}
@@ -113,7 +117,7 @@ def checks(message, boxes, initial=(), buttons=_OK_CANCEL, timeout=None, default
 
 
 def _asked(message, form, times, default):
-    """(index of the button, its label, whether the time was over, the answer)."""
+    """Ask; return the button's index and label, whether the timeout expired, and the answer."""
     flush_capture()
     timeout, lost_link = times
     timeout_ms, lost_link_ms = (None if time is None else max(round(float(time) * 1000), 0) for time in times)
