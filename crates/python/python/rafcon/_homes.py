@@ -1,7 +1,8 @@
-"""Where the objects of states live: in the machine that runs, or in one that is being built.
+"""Homes of state objects: the running machine, or a machine that is being built.
 
-A home answers what its states are made of and carries changes out. ``revision`` differs after every change, so that
-nobody looks at old facts. The machine itself is a value of the compiled module in both cases.
+A home provides the facts about its states and applies changes. ``revision`` changes with every
+change of the machine, so that cached facts expire. In both cases the compiled module holds the
+machine.
 """
 
 from rafcon import _objects
@@ -9,15 +10,15 @@ from rafcon._bridge import native
 
 
 class Running:
-    """The home of all states of the machine that runs."""
+    """Home of all states of the running machine."""
 
     @property
     def revision(self):
-        """Differs after every change of the machine."""
+        """Revision of the machine; it differs after every change."""
         return native.revision()
 
     def facts(self, state):
-        """What a state is made of, as ``native.describe`` gives it."""
+        """Facts about a state, as ``native.describe`` returns them."""
         return native.describe(state._place)
 
     def layout(self, state):
@@ -25,11 +26,11 @@ class Running:
         return native.layout_of(state._place)
 
     def live(self, state):
-        """What a state holds and does now."""
+        """Current data and status of a state."""
         return native.status(state._place)
 
     def parent(self, state):
-        """The state around a state, or the state machine."""
+        """Container or library state around a state, or the state machine."""
         above = state._facts["parent"]
         return _objects.state(above) if above >= 0 else _objects.machine()
 
@@ -38,15 +39,15 @@ class Running:
         return _objects.machine()
 
     def child_ids(self, state):
-        """The ids of the states inside."""
+        """Ids of the states inside."""
         return list(state._facts["children"])
 
     def has_child(self, state, state_id):
-        """Whether there is a state of this id inside."""
+        """True if a state of this id is inside."""
         return state_id in state._facts["children"]
 
     def has_line(self, state, group, key):
-        """Whether there is a transition or data flow of this id inside."""
+        """True if a transition or data flow of this id is inside."""
         return key in state._facts[group]
 
     def child(self, state, state_id):
@@ -54,23 +55,23 @@ class Running:
         return _objects.state(state._facts["children"][state_id])
 
     def change(self, state, changes):
-        """Carries changes (verb, arguments) out, all or none; the machine honours them at its next step."""
+        """Apply changes (verb, arguments), all or none, from the machine's next step on."""
         path = state._facts["path"]
         native.edit([(verb, path, arguments) for verb, arguments in changes])
 
     def copy_of(self, state):
-        """A state with everything in it as a document of its own."""
+        """Copy of a state, with everything inside, as a document of its own."""
         return native.taken(state._place)
 
     def renamed(self, state, state_id):
-        """The state has another id; its place is the same."""
+        """Do nothing after a state got a new id: its index stays."""
 
     def replaced(self, container, state):
-        """The object for a state that is of another kind now."""
+        """Return the object for a state whose kind has changed."""
         return _objects.state(state._place)
 
     def add(self, container, state):
-        """Puts a state that was built by itself into a container."""
+        """Add a standalone state to a container."""
         state._store_notes()
         self.change(container, [("children.add", (state._home.document,))])
         self._settle(container, state)
@@ -80,7 +81,7 @@ class Running:
         state._settle_running(places[state._key])
 
     def substitute(self, container, old, state):
-        """Puts a state that was built by itself in the place of another."""
+        """Replace a state of a container by a standalone one."""
         state._store_notes()
         taken = native.taken(old._place)
         self.change(container, [("children.substitute", (old.state_id, state._home.document))])
@@ -88,18 +89,18 @@ class Running:
         self._settle(container, state)
 
     def take(self, container, state):
-        """Takes a state out of a container; it is built by itself from then on."""
+        """Remove a state from its container; it becomes standalone."""
         taken = native.taken(state._place)
         self.change(container, [("children.remove", (state.state_id,))])
         state._retire(taken)
 
     def group(self, container, _states, arguments):
-        """Puts states into a new hierarchy, which is returned; ``arguments`` as the verb takes them."""
+        """Move states into a new hierarchy and return it; ``arguments`` are those of the verb."""
         self.change(container, [("children.group", arguments)])
         return self.child(container, arguments[2])
 
     def ungroup(self, container, group, ids):
-        """Puts the states of a group into its container; ``ids`` is old to new id."""
+        """Move the states of a group into its container; ``ids`` maps old to new ids."""
         fresh = [new for old, new in ids.items() if old != new]
         self.change(container, [("children.ungroup", (group.state_id, fresh))])
 
@@ -108,7 +109,7 @@ RUNNING = Running()
 
 
 class Facts(dict):
-    """The facts about one state, asked for one by one."""
+    """Facts about one state; each is requested when it is first read."""
 
     def __init__(self, document, state):
         dict.__init__(self)
@@ -128,7 +129,7 @@ class Facts(dict):
 
 
 class Built:
-    """The home of the states of one document: a machine, or a state that stands in none yet."""
+    """Home of the states of one document: a machine, or a standalone state."""
 
     def __init__(self, document, top):
         self.document = document
@@ -140,7 +141,7 @@ class Built:
         self.run = None
 
     def facts(self, state):
-        """What a state is made of."""
+        """Facts about a state."""
         return Facts(self.document, state)
 
     def layout(self, state):
@@ -148,14 +149,14 @@ class Built:
         return self.document.fact(state._facts["path"], "layout")
 
     def live(self, state):
-        """What a state held and did in the last run."""
+        """Data and status of a state in the last run."""
         if self.run is not None:
             return self.run.live(state)
         idle = {"active": False, "phase": "inactive", "final_outcome": None, "run_count": 0, "entered_ns": 0}
         return {**idle, "input_data": {}, "output_data": {}, "scoped_data": {}}
 
     def parent(self, state):
-        """The state around a state, the state machine, or None."""
+        """Container or library state around a state, the state machine, or None."""
         return self.owner if state._above is None else state._above
 
     def machine(self, _state):
@@ -163,15 +164,15 @@ class Built:
         return self.owner
 
     def child_ids(self, state):
-        """The ids of the states inside."""
+        """Ids of the states inside."""
         return state._facts["children"]
 
     def has_child(self, state, state_id):
-        """Whether there is a state of this id inside."""
+        """True if a state of this id is inside."""
         return isinstance(state_id, str) and self.document.has_child(state._facts["path"], state_id)
 
     def has_line(self, state, group, key):
-        """Whether there is a transition or data flow of this id inside."""
+        """True if a transition or data flow of this id is inside."""
         return self.document.has_line(state._facts["path"], group, key)
 
     def child(self, state, state_id):
@@ -186,7 +187,7 @@ class Built:
         return known
 
     def change(self, state, changes):
-        """Carries changes (verb, arguments) out, all or none."""
+        """Apply changes (verb, arguments), all or none."""
         if not changes:
             return
         path = state._facts["path"]
@@ -194,37 +195,37 @@ class Built:
         self.touch()
 
     def touch(self):
-        """Something has changed."""
+        """Count a change: raise the revision, and mark the machine as unsaved."""
         self.revision += 1
         if self.owner is not None:
             self.owner._marked_dirty = True
 
     def add(self, container, state):
-        """Puts a state that was built by itself into a container."""
+        """Add a standalone state to a container."""
         self.change(container, [("children.add", (state._home.document,))])
         state._settle(self, container, state._key)
 
     def substitute(self, container, old, state):
-        """Puts a state that was built by itself in the place of another."""
+        """Replace a state of a container by a standalone one."""
         taken = self.document.taken(old._facts["path"])
         self.change(container, [("children.substitute", (old.state_id, state._home.document))])
         self._release(container, old, taken)
         state._settle(self, container, state._key)
 
     def take(self, container, state):
-        """Takes a state out of a container; it is built by itself from then on."""
+        """Remove a state from its container; it becomes standalone."""
         taken = self.document.taken(state._facts["path"])
         self.change(container, [("children.remove", (state.state_id,))])
         self._release(container, state, taken)
 
     def copy_of(self, state):
-        """A state with everything in it as a document of its own."""
+        """Copy of a state, with everything inside, as a document of its own."""
         for known in state._known_states():
             known._store_notes()
         return self.document.taken(state._facts["path"])
 
     def leave_copy(self, state):
-        """The object of a state goes elsewhere; another one stands for the state here."""
+        """Give up the object of a state, which moves elsewhere; a new one takes over here."""
         above = state._above
         if above is not None:
             above._inside.pop(state._key, None)
@@ -234,14 +235,14 @@ class Built:
         self.owner._root = copy
 
     def renamed(self, state, state_id):
-        """The state has another id."""
+        """Update the object of a state that got a new id."""
         above = state._above
         if above is not None:
             above._inside.pop(state._key, None)
         state._settle(self, above, state_id)
 
     def replaced(self, container, state):
-        """The object for a state that is of another kind now; the one before stands nowhere."""
+        """Return a new object for a state whose kind has changed; the old one is standalone."""
         inside, taken = dict(state._inside), self.document.taken(state._facts["path"])
         fresh = self._fresh(container, state)
         ids = set(self.child_ids(fresh))
@@ -264,7 +265,7 @@ class Built:
         state._settle(Built(document, state), None, state._key)
 
     def group(self, container, states, arguments):
-        """Puts states into a new hierarchy, which is returned; ``arguments`` as the verb takes them."""
+        """Move states into a new hierarchy and return it; ``arguments`` are those of the verb."""
         self.change(container, [("children.group", arguments)])
         group = self.child(container, arguments[2])
         for state in states:
@@ -273,7 +274,7 @@ class Built:
         return group
 
     def ungroup(self, container, group, ids):
-        """Puts the states of a group into its container; ``ids`` is old to new id."""
+        """Move the states of a group into its container; ``ids`` maps old to new ids."""
         inside, taken = dict(group._inside), self.document.taken(group._facts["path"])
         fresh = [new for old, new in ids.items() if old != new]
         self.change(container, [("children.ungroup", (group._key, fresh))])
@@ -284,7 +285,7 @@ class Built:
         self._release(container, group, taken)
 
     def store_notes(self):
-        """Brings the notes that users changed in place into the document."""
+        """Store the notes that users changed in place in the document."""
         for state in self.top._known_states():
             state._store_notes()
 

@@ -1,6 +1,7 @@
-"""Plugins: packages named by ``RAFCON_PLUGIN_PATH`` whose module ``hooks`` wants to be called.
+"""Plugins: packages in ``RAFCON_PLUGIN_PATH`` with a module ``hooks``.
 
-Whatever a plugin does while it is loaded or told something, the run goes on: what fails is logged and left out.
+A plugin that fails to load or raises in a guarded hook never ends the run: the error is logged and
+the plugin or hook is skipped.
 """
 
 import importlib
@@ -30,7 +31,7 @@ _ENGINE = re.compile(
 
 
 class Hooks:
-    """The hooks of all plugins. ``active`` says whether any of them wants to be called around scripts."""
+    """Hooks of all plugins. ``active`` is True if a plugin has a hook around scripts."""
 
     def __init__(self):
         self.active = False
@@ -58,19 +59,19 @@ class Hooks:
             self.call_guarded("post_init", _arguments(machine, config, start_state_path))
 
     def pre_script(self):
-        """Called before each script, on its thread. What a plugin raises goes to the state, as if its script had."""
+        """Run the hooks before a script, on its thread. Their exceptions count as the script's."""
         self.call("pre_script")
 
     def post_script(self):
-        """Called after each script, on its thread."""
+        """Run the hooks after a script, on its thread."""
         self.call("post_script")
 
     def finished(self):
-        """The state machine has ended."""
+        """Run the hooks for the end of the state machine."""
         self.call_guarded("on_state_machine_execution_finished")
 
     def shut_down(self):
-        """The process ends."""
+        """Run the hooks for the end of the process."""
         self.call_guarded("pre_destruction")
         self.call_guarded("post_destruction")
 
@@ -82,7 +83,7 @@ class Hooks:
                 function(*arguments, **named)
 
     def call_guarded(self, name, *arguments):
-        """The same; what a plugin raises is logged, and the next one is called."""
+        """Call a hook of every plugin that has it, and log what it raises."""
         for module in self._modules():
             try:
                 getattr(module, name, lambda *_arguments: None)(*arguments)
@@ -94,7 +95,7 @@ class Hooks:
 
 
 def _advice(error):
-    """How a hook that replaces functions of the engine can do without."""
+    """Advice for a hook that failed because it replaces functions of the engine."""
     if isinstance(error, AttributeError) and _ENGINE.search(str(error)):
         return (
             ": states run outside Python, so their functions cannot be replaced; "
@@ -128,9 +129,9 @@ def _name_what_is_never_called(package):
 
 
 def _arguments(machine, config, start_state_path):
-    """The options of the command line, as the plugins have added to them: name to value.
+    """Options of the command line, including those that plugins have added: name to value.
 
-    A run has no command line of its own: the plugins' options come from ``RAFCON_PLUGIN_ARGUMENTS``.
+    A run has no command line of its own. Options of plugins come from ``RAFCON_PLUGIN_ARGUMENTS``.
     """
     from rafcon.core.start import parse_arguments
 

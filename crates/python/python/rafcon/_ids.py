@@ -1,4 +1,4 @@
-"""Names and ids for what is built: they count on through the process, as files written by the reference have them."""
+"""Names and ids of new elements, counted through the process like those of the reference."""
 
 import itertools
 import random
@@ -11,7 +11,7 @@ _machines = itertools.count(1)
 
 
 def state_name(cls):
-    """A name for a state that got none."""
+    """Default name of a state."""
     return f"{cls.__name__} {state_number()}"
 
 
@@ -21,7 +21,7 @@ def state_number():
 
 
 def state_id(taken=()):
-    """Six letters that are not taken."""
+    """Random id of six letters that is not taken."""
     while True:
         found = "".join(random.choice(string.ascii_uppercase) for _ in range(6))
         if found not in taken:

@@ -1,11 +1,11 @@
-"""Values on their way into the journal of a run and out of it."""
+"""Values written to the journal of a run and read from it."""
 
 import threading
 from collections import deque
 
 
 class Variable:
-    """A global variable with what is declared of it, for those that are more than a value kept as a copy."""
+    """Global variable kept by reference or with a declared type, as the journal stores it."""
 
     __slots__ = ("value", "by_reference", "data_type")
 
@@ -19,7 +19,7 @@ class Variable:
 
 
 def pickle(value):
-    """The pickle of a value, readable by every Python that rafcon runs on."""
+    """Pickle of a value, readable by every supported version of Python."""
     from pickle import dumps  # as late as this, for it takes long to load and plain values need none
 
     return dumps(value, 4)
@@ -33,10 +33,7 @@ def unpickle(data):
 
 
 class Ledger:
-    """Changes of the global variables on their way into the journal, in the order in which they happened.
-
-    ``journal`` has ``keep(value, carrier)`` and ``write(name, kept)``; without one nothing is kept.
-    """
+    """Queue of changes of the global variables for the journal, in chronological order."""
 
     def __init__(self, journal=None):
         self._journal = journal
@@ -45,23 +42,23 @@ class Ledger:
         self._writing = threading.Lock()
 
     def keep(self, value, by_reference, data_type):
-        """How the journal keeps a value. Called with no lock held: it may run code of the user."""
+        """Return the journal's form of a value. Call it with no lock held: it may run user code."""
         if self._journal is None:
             return None
         plain = not by_reference and data_type is type(None)
         return self._journal.keep(value, None if plain else Variable(value, by_reference, data_type))
 
     def note(self, name, kept):
-        """A variable got this value; None: it was removed. Called with the variables locked."""
+        """Queue the new value of a variable, None if removed. Called with the variables locked."""
         if self._journal is not None:
             self._changes.append((name, kept))
 
     def forget(self, name):
-        """What was noted of a variable and is not written down yet is none of the run's. Called before the run begins."""
+        """Discard queued changes of a variable. Called before the run begins."""
         self._changes = deque(change for change in self._changes if change[0] != name)
 
     def write(self):
-        """Writes down what was noted. Called with no lock held."""
+        """Write the queued changes to the journal. Called with no lock held."""
         if not self._changes or not self._journal.is_open():
             return
         with self._writing:

@@ -1,10 +1,10 @@
-"""Parts of a package that are imported when somebody first asks for them: ``import rafcon`` reaches all of it."""
+"""Submodules imported on first access, so that ``import rafcon`` gives access to all of them."""
 
 import importlib
 
 
 def submodules(package):
-    """The ``__getattr__`` of a package: its modules and packages by name."""
+    """``__getattr__`` for a package that imports its modules and packages by name."""
 
     def find(name):
         if not name.startswith("_"):

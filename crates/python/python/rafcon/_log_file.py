@@ -1,4 +1,4 @@
-"""The log of a run as a file for :mod:`rafcon.utils.execution_log`, made of the run's history."""
+"""Log of a run as a file for :mod:`rafcon.utils.execution_log`, made from the run's history."""
 
 import datetime
 import os
@@ -11,7 +11,7 @@ from rafcon.core.states.concurrency_state import ConcurrencyState
 
 
 def write(machine):
-    """Writes the history of the last run of a machine to a file and returns its name."""
+    """Write the history of the last run of a machine to a file; return the file's name."""
     root = machine.root_state
     folder = _folder()
     os.makedirs(folder, exist_ok=True)
@@ -31,7 +31,7 @@ def _folder():
 
 
 def _entries(machine):
-    """The items of the history, as dictionaries; a step back is no part of it."""
+    """Items of the history as dictionaries, without steps back."""
     entries, items = _Entries(machine), list(machine.execution_histories[-1])
     yield entries.start(items[0].timestamp if items else time.time())
     for item in items:
@@ -40,7 +40,7 @@ def _entries(machine):
 
 
 class _Entries:
-    """Makes the entries of a log, each with the id of the one before it in its branch."""
+    """Converts history items to log entries, each with the id of its predecessor in its branch."""
 
     def __init__(self, machine):
         self._machine = machine
@@ -50,7 +50,7 @@ class _Entries:
         self._last = {}
 
     def start(self, timestamp):
-        """The start of the machine."""
+        """Entry for the start of the machine."""
         about = {"path": "", "path_by_name": "", "state_type": "StateMachine", "call_type": "EXECUTE"}
         entry = {
             **_about(None),
@@ -64,7 +64,7 @@ class _Entries:
         return self._numbered(entry, "StateMachineStartItem", self._next_run(), "")
 
     def of(self, item):
-        """The entry of an item, and that of the branches behind the entry of a concurrency state."""
+        """Entry of an item; a call of a concurrency state also has one for its branches."""
         state = self._machine.get_state_by_path(item.path, as_check=True)
         entry = item.to_dict()
         if entry["item_type"] == "CallItem":
@@ -84,7 +84,7 @@ class _Entries:
             self._last.update({f"{item.path}/{key}": branches["history_item_id"] for key in state.states})
 
     def _branch(self, path):
-        """The innermost branch that a state stands in."""
+        """Path of the innermost branch that contains a state."""
         above = path
         while above and above not in self._last:
             above = above.rpartition("/")[0]
@@ -104,7 +104,7 @@ class _Entries:
 
 
 def _about(state):
-    """What a log says of a state that may be gone."""
+    """Description of a state in the log; the state is None if it was removed."""
     reference = getattr(state, "library_name", None)
     inner = getattr(state, "state_copy", None)
     return {

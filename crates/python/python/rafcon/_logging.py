@@ -17,14 +17,14 @@ owners = {}
 
 
 class Handler(logging.Handler):
-    """Sends each record as one message."""
+    """Handler that sends each record as one message."""
 
     def __init__(self):
         logging.Handler.__init__(self)
         self._forked = False
 
     def emit(self, record):
-        """Sends the record, an exception's traceback after its text."""
+        """Send the record, with the traceback of an exception after its text."""
         try:
             message = self.format(record)
             if self._forked:
@@ -36,12 +36,12 @@ class Handler(logging.Handler):
             self.handleError(record)
 
     def released(self):
-        """Writes to the standard error from now on: the machine does not live in this process."""
+        """Write to standard error from now on: the machine runs in another process."""
         self._forked = True
 
 
 class _RootHandler(Handler):
-    """Sends records of all loggers, unless a handler that prints decides on them."""
+    """Handler that sends records of all loggers, unless a handler that prints is installed."""
 
     def emit(self, record):
         if not any(map(_prints, logging.root.handlers)):
@@ -62,7 +62,7 @@ def _is_own(name):
 
 
 def _prints(handler):
-    """Whether a handler writes to the captured ``sys.stdout`` or ``sys.stderr``."""
+    """True if a handler writes to the captured ``sys.stdout`` or ``sys.stderr``."""
     return isinstance(handler, logging.StreamHandler) and isinstance(handler.stream, Writer)
 
 
@@ -72,7 +72,7 @@ _basic_config = logging.basicConfig
 
 
 def _emit(handler, record):
-    """``StreamHandler.emit``: a record for the terminal goes to the machine as a record."""
+    """``StreamHandler.emit`` that sends records for the terminal to the machine as records."""
     if _prints(handler) and handler.stream.is_captured:
         _handler.emit(record)
     else:
@@ -81,7 +81,7 @@ def _emit(handler, record):
 
 @functools.wraps(_basic_config)
 def _configure_basically(**options):
-    """``logging.basicConfig``, which has an effect only on a root logger without handlers."""
+    """``logging.basicConfig``, which only affects a root logger with no handlers but ours."""
     root = logging.root
     ours = [handler for handler in root.handlers if isinstance(handler, _RootHandler)]
     for handler in ours:
@@ -94,12 +94,12 @@ def _configure_basically(**options):
 
 
 def released(self):
-        """Writes to the standard error from now on: the machine does not live in this process."""
+        """Write to standard error from now on: the machine runs in another process."""
         self._forked = True
 
 
 def release():
-    """In a forked child: what is logged goes to the standard error."""
+    """In a forked child: write log records to standard error."""
     for handler in [*get_logger("rafcon").handlers, *logging.root.handlers]:
         if isinstance(handler, Handler):
             handler.released()
@@ -110,10 +110,11 @@ def _utf8(text):
 
 
 def install():
-    """Sets up the logger ``rafcon``, every level down to VERBOSE, and the root logger from INFO. Python's warnings are logged too.
+    """Set up the loggers ``rafcon`` (from level VERBOSE), root (from INFO) and Python's warnings.
 
-    ``RAFCON_LOGGING_CONF`` may name a JSON file for ``logging.config.dictConfig``: its levels, filters and files hold.
-    Handlers that would print to the terminal make way for ours, or each line came twice.
+    ``RAFCON_LOGGING_CONF`` may name a JSON file for ``logging.config.dictConfig``. Its levels,
+    filters and files apply. Handlers that print to the terminal are replaced by ours, so that no
+    line is logged twice.
     """
     logger = get_logger("rafcon")
     logger.setLevel(VERBOSE)
@@ -139,7 +140,7 @@ def _take_over(logger, handler):
 
 
 def _configure(path):
-    """Applies the user's configuration; returns what is wrong with it, if anything is."""
+    """Apply the user's configuration; return a description of its error, or None."""
     if not path:
         return None
     import json
