@@ -1,6 +1,6 @@
-"""The objects that stand for states: which class, and how one finds another.
+"""Python objects of states: selection of the class, and lookup of other objects.
 
-Rust keeps one object for each place in the machine and makes it here the first time it is wanted.
+Rust keeps one object for each state of the running machine, and creates it here on first use.
 """
 
 from rafcon._bridge import native
@@ -19,20 +19,20 @@ _host = []
 
 
 def new_state(place, kind, signals):
-    """A new object for the state at a place; its class follows its kind."""
+    """Create the object for the state at an index; its kind determines the class."""
     state = blank_state(kind)
     state._bind(place, signals)
     return state
 
 
 def blank_state(kind):
-    """An object of the class for a kind that stands nowhere yet."""
+    """Create an object of the class for a kind, not yet bound to a state."""
     cls = _classes.get(kind) or _class(kind)
     return cls.__new__(cls)
 
 
 def prepare(kinds):
-    """Loads the classes of these kinds, so that no state waits for its own."""
+    """Load the classes of these kinds, so that no state waits for an import."""
     for kind in kinds:
         _classes.get(kind) or _class(kind)
 
@@ -46,18 +46,18 @@ def _class(kind):
 
 
 def state(place):
-    """The object for the state at a place, always the same one."""
+    """Object for the state at an index; each call returns this one object."""
     return native.state_object(place)
 
 
 def current_state():
-    """The object of the state whose script runs on this thread, or None."""
+    """Object of the state whose script runs on this thread, or None."""
     place = native.current_path()
     return state(place) if place >= 0 else None
 
 
 def machine():
-    """The object for the running state machine, always the same one."""
+    """Object for the running state machine; each call returns this one object."""
     if not _machine:
         from rafcon.core.state_machine import StateMachine
 
@@ -68,22 +68,22 @@ def machine():
 
 
 def become_host():
-    """This process was started to run one machine."""
+    """Mark this process as started to run one machine."""
     _host.append(True)
 
 
 def is_host():
-    """Whether this process was started to run one machine."""
+    """True if this process was started to run one machine."""
     return bool(_host)
 
 
 def forget_machine():
-    """Another machine is going to run."""
+    """Forget the object of the running machine, because another machine will run."""
     _machine.clear()
 
 
 def machine_or_none():
-    """As :func:`machine`; None where no state machine runs."""
+    """Object for the running state machine; None if no machine runs."""
     try:
         return machine()
     except RuntimeError:
@@ -91,7 +91,7 @@ def machine_or_none():
 
 
 def port_type(name):
-    """The type of a port; its name, where it cannot be imported here."""
+    """Type of a port, or its name if it cannot be imported here."""
     from rafcon._types import resolve_type
 
     try:

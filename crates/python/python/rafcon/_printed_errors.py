@@ -1,4 +1,4 @@
-"""Writes each traceback that Python prints at once, so that it is one entry of the log."""
+"""Writes each traceback that Python prints in one piece, so that it is one log entry."""
 
 import functools
 import io
@@ -30,7 +30,7 @@ def _print_at_once(*arguments, **named):
 
 
 def _of_thread(caught):
-    """``threading.excepthook``."""
+    """Hook for ``threading.excepthook``."""
     if caught.exc_type is SystemExit:
         return
     name = caught.thread.name if caught.thread is not None else threading.get_ident()
@@ -38,7 +38,7 @@ def _of_thread(caught):
 
 
 def _ignored(caught):
-    """``sys.unraisablehook``."""
+    """Hook for ``sys.unraisablehook``."""
     try:
         about = repr(caught.object)
     except Exception:
@@ -47,7 +47,7 @@ def _ignored(caught):
 
 
 def _uncaught(kind, error, trace):
-    """``sys.excepthook``."""
+    """Hook for ``sys.excepthook``."""
     _write("", "".join(traceback.format_exception(kind, error, trace)))
 
 
@@ -63,7 +63,7 @@ def _write(head, text, file=None):
 
 
 def install():
-    """Replaces the functions by which Python prints tracebacks."""
+    """Replace the functions with which Python prints tracebacks."""
     traceback.print_exception = _print_at_once
     threading.excepthook = _of_thread
     sys.unraisablehook = _ignored

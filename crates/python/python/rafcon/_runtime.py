@@ -1,4 +1,4 @@
-"""All that the compiled module calls: the one list of names that Rust knows.
+"""Functions that the compiled module calls: the only names that Rust uses.
 
 Every function is called with the GIL held and never waits.
 """
@@ -65,24 +65,27 @@ note_globals = global_variable_manager._note_all
 
 
 def set_verdicts(decider, verdicts):
-    """Tells a decider how the states of its barrier ended: (id, name, outcome id, outcome name, error or None) each."""
+    """Pass a decider the results of its barrier's states.
+
+    Each result is (id, name, outcome id, outcome name, error or None).
+    """
     decider._set_verdicts(verdicts)
 
 
 def encode_globals():
-    """The global variables as JSON has them: name to value."""
+    """Global variables as JSON values, by name."""
     return {name: encode(value) for name, value in global_variable_manager._values().items()}
 
 
 def configure(values):
-    """Sets the configuration in force: key of ``config.yaml`` to value."""
+    """Set the active configuration: key of ``config.yaml`` to value."""
     from rafcon.core.config import global_config
 
     global_config._replace(values)
 
 
 def install_capture():
-    """Sends what scripts print and log to the running machine from now on: this process is there for nothing else."""
+    """Send output and log records to the running machine, in a process that only runs a machine."""
     _objects.become_host()
     _capture.install()
     _printed_errors.install()

@@ -1,4 +1,4 @@
-"""The flags of a state: preempted, paused, started, and waiting for them."""
+"""Flags of a state (preempted, paused, started), and waits for them."""
 
 import threading
 
@@ -14,7 +14,7 @@ _FOREVER = 3.2e8
 
 
 def seconds(timeout):
-    """A waiting time as the compiled module takes it: a float that is not negative, or None for ever."""
+    """Convert a timeout for the compiled module: a float of at least 0, or None to wait forever."""
     if timeout is None:
         return None
     if isinstance(timeout, (str, bytes)):
@@ -24,13 +24,16 @@ def seconds(timeout):
 
 
 class Idle:
-    """The flags of a state that does not run: they can be set, and nobody else ever sets them."""
+    """Flags of a state that does not run. Only its own users set them."""
 
     def __init__(self):
         self.preempted = self.paused = self.started = self.nudged = False
 
     def wait(self, mask, timeout):
-        """Waits for a time (s); whether a flag of the mask is set. Without a time nothing would end the wait."""
+        """Wait until a flag of the mask is set; False if the timeout (s) expired.
+
+        Without a timeout, raises ``NoRunningMachine`` unless a flag is already set.
+        """
         flags = {PREEMPTED: self.preempted, PAUSED: self.paused, STARTED: self.started, NUDGED: self.nudged}
         if any(on for flag, on in flags.items() if flag & mask):
             return True
@@ -40,7 +43,7 @@ class Idle:
 
 
 class Flag:
-    """One flag of a state, used like a ``threading.Event``."""
+    """One flag of a state, with the methods of ``threading.Event``."""
 
     __slots__ = ("_state", "_name")
 
@@ -49,26 +52,26 @@ class Flag:
         self._name = name
 
     def is_set(self):
-        """Whether it is set."""
+        """True if the flag is set."""
         return getattr(self._state, self._name)
 
     isSet = is_set
 
     def set(self):
-        """Sets it; whoever waits goes on."""
+        """Set the flag and wake waiting threads."""
         setattr(self._state, self._name, True)
 
     def clear(self):
-        """Takes it back."""
+        """Clear the flag."""
         setattr(self._state, self._name, False)
 
     def wait(self, timeout=None):
-        """Waits until it is set; False if the time (s) ran out."""
+        """Wait until the flag is set; False if the timeout (s) expired."""
         return self._state._wait(_MASKS[self._name], timeout)
 
 
 class AnyFlag:
-    """Two flags of a state together: set if one of them is."""
+    """Several flags of a state combined: set if one of them is."""
 
     __slots__ = ("_state", "_names")
 
@@ -77,13 +80,13 @@ class AnyFlag:
         self._names = names
 
     def is_set(self):
-        """Whether one of them is set."""
+        """True if one of the flags is set."""
         return any([getattr(self._state, name) for name in self._names])
 
     isSet = is_set
 
     def wait(self, timeout=None):
-        """Waits until one of them is set; False if the time (s) ran out."""
+        """Wait until one of the flags is set; False if the timeout (s) expired."""
         return self._state._wait(sum(_MASKS[name] for name in self._names), timeout)
 
 

@@ -1,11 +1,12 @@
-"""The threads that run scripts, as Python's ``threading`` sees them."""
+"""Registration of script threads in Python's ``threading``."""
 
 import threading
 
 
 def adopt():
-    """The calling thread runs scripts from now on: threads that they start outlive the run, as those of any program do.
+    """Make the calling thread non-daemonic, so that threads that its scripts start outlive the run.
 
-    ``threading`` takes a thread that it did not start for a daemon, and would make daemons of all that it starts.
+    ``threading`` takes a thread that it did not start for a daemon, and makes all threads that it
+    starts daemons too.
     """
     threading.current_thread()._daemonic = False

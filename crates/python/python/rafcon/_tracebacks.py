@@ -1,4 +1,4 @@
-"""Tracebacks for users: their own frames, nothing of what called them."""
+"""Tracebacks for users, without the frames of the caller of the script."""
 
 import traceback
 
@@ -7,10 +7,10 @@ _FRAMES_MAX = 40
 
 
 def format_error(error, filename):
-    """The traceback of an exception that a script raised, from the script's first frame on.
+    """Traceback of an exception that a script raised, from the script's first frame on.
 
-    ``filename`` is the file that the script was compiled as. An exception that never reached the script (it does not
-    parse, has no ``execute``) is shown without frames.
+    ``filename`` is the file name that the script was compiled with. An exception outside the
+    script, such as a syntax error or a missing ``execute``, is shown without frames.
     """
     shown = traceback.TracebackException(
         type(error), error, _script_part(error.__traceback__, filename), limit=-_FRAMES_MAX

@@ -1,6 +1,7 @@
-"""Names of Python types, and values made from text.
+"""Python types by name, and values parsed from text.
 
-A port's type stands in a file as a dotted name, its default often as text; both are answered here, and only here.
+A file names a port's type by a dotted name, and often its default by a text. This module resolves
+both.
 """
 
 import builtins
@@ -10,10 +11,10 @@ _LITERAL_TYPES = (list, dict, tuple)
 
 
 def resolve_type(name):
-    """The type of a dotted name such as ``builtins.int``, ``numpy.ndarray`` or ``package.module.Outer.Inner``.
+    """Type of a dotted name such as ``builtins.int``, ``numpy.ndarray`` or ``package.Outer.Inner``.
 
-    ``__builtin__.int`` and a bare ``int`` are understood too. Raises ``ImportError`` or ``AttributeError`` if there is
-    no such module or name, and ``TypeError`` if it is not a type.
+    ``__builtin__.int`` and a bare ``int`` are accepted too. Raises ``ImportError`` or
+    ``AttributeError`` if there is no such module or name, and ``TypeError`` if it is not a type.
     """
     if name == "None" or name.rpartition(".")[2] == "NoneType":
         return type(None)
@@ -28,7 +29,7 @@ def resolve_type(name):
 
 
 def _attribute(name):
-    """The object of a dotted name: the longest importable module, and attributes of it."""
+    """Object of a dotted name: the longest importable module, and attributes of it."""
     parts = name.split(".")
     for end in range(len(parts) - 1, 0, -1):
         module = ".".join(parts[:end])
@@ -45,10 +46,10 @@ def _attribute(name):
 
 
 def convert(value, type_name):
-    """The value that a text stands for in a port of this type; what is no text is returned as it is.
+    """Convert a text to a value of a port's type; other values are returned unchanged.
 
-    ``"None"`` is None, ``"$name"`` stays (a reference to a global variable). Raises ``ValueError`` with the reason if
-    the text is no value of the type.
+    ``"None"`` becomes None. ``"$name"`` (a reference to a global variable) is returned unchanged.
+    Raises ``ValueError`` with the reason if the text is not a value of the type.
     """
     if not isinstance(value, str):
         return value

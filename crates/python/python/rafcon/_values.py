@@ -1,7 +1,7 @@
-"""Values as text: the encoding of state machine files, and the one in which results are shown.
+"""Values as text, in the encoding of state machine files and in that of displayed results.
 
-``decode`` reads what stands in files; ``decode_plain`` reads what a client sends; ``encode`` makes JSON of anything for
-people and programs to look at.
+``decode`` reads values of files, and ``decode_plain`` values from clients. ``encode`` converts any
+value to JSON for display.
 """
 
 import json
@@ -34,11 +34,12 @@ _PLAIN_TYPES = {kind.__name__: kind for kind in (bool, bytes, complex, dict, flo
 
 
 def decode(text):
-    """The object of a JSON text in the encoding of state machine files.
+    """Object of a JSON text in the encoding of state machine files.
 
-    ``{"__jsonqualname__": …}`` is a tuple, a set, an array or an object of a class with ``from_dict``;
-    ``{"__type__": …}`` is a type. Keys of a plain object become ``int`` if every one is the text of an integer.
-    Raises ``ValueError`` for what is no JSON, and ``ImportError`` or ``AttributeError`` for a class that is not there.
+    ``{"__jsonqualname__": …}`` is a tuple, a set, an array or an object of a class with
+    ``from_dict``; ``{"__type__": …}`` is a type. Keys of a plain object become ``int`` if all of
+    them are texts of integers. Raises ``ValueError`` for invalid JSON, and ``ImportError`` or
+    ``AttributeError`` for a missing class.
     """
     return json.loads(text, object_hook=_decode_object)
 
@@ -55,10 +56,11 @@ def _decode_object(members):
 
 
 def decode_plain(text):
-    """The value of a JSON text that a client sends: an input, an answer, data of a start.
+    """Value of a JSON text from a client: an input, an answer, data of a start.
 
-    Reads the encoding of ``encode``, and that of ``decode``, as far as it is plain data: tuples, sets and Python's own types
-    of values. Imports no module and constructs no object: raises ``ValueError`` for anything else that names a class.
+    Accepts the encoding of ``encode``, and plain data in that of ``decode``: tuples, sets and
+    Python's own types of values. Imports no module and constructs no object. Raises ``ValueError``
+    for anything else that names a class.
     """
     return json.loads(text, object_hook=_decode_plain_object)
 
@@ -127,12 +129,13 @@ def _decode_qualified(name, members):
 
 
 def encode(value):
-    """The value as something that JSON has.
+    """Convert a value to JSON types.
 
-    An exception is ``{"__exc__": class, "msg": first 16,384 characters}``, a tuple ``{"__tuple__": […]}``, a type ``{"__type__": name}``,
-    an integer beyond 2^53 - 1 ``{"__int__": digits}``, negative zero ``{"__float__": "-0.0"}``, a dictionary whose keys are not
-    all plain texts ``{"__dict__": [[key, value], …]}``, anything else ``{"__repr__": first 200 characters, "__class__": class}``,
-    with ``__len__`` if that is not all of it.
+    An exception is ``{"__exc__": class, "msg": first 16,384 characters}``, a tuple ``{"__tuple__":
+    […]}``, a type ``{"__type__": name}``, an integer beyond ±(2^53 - 1) ``{"__int__": digits}``,
+    negative zero ``{"__float__": "-0.0"}``. A dictionary whose keys are not all plain texts is
+    ``{"__dict__": [[key, value], …]}``. Anything else is ``{"__repr__": first 200 characters,
+    "__class__": class}``, with ``__len__`` if the text was cut.
     """
     return _encode(value, _DEPTH_MAX)
 
@@ -160,14 +163,14 @@ def _encode(value, depth):
 
 
 def _has_plain_keys(value):
-    """Whether a JSON object shows the keys as what they are. A reader of files takes texts of integers for integers."""
+    """True if a JSON object keeps the keys: ``decode`` makes integers of texts of integers."""
     if not all(isinstance(key, str) and key not in _TAGS and _is_utf8(key) for key in value):
         return False
     return not value or not all(map(_is_integer, value))
 
 
 def _plain(value):
-    """Without the class of a user's ``int`` or ``str``."""
+    """Convert an instance of a user's subclass of ``int`` or ``str`` to a plain value."""
     if value is None or isinstance(value, bool):
         return value
     if isinstance(value, int):
@@ -201,13 +204,13 @@ def _represent(value):
 
 
 def _message(exception):
-    """The text of an exception, which a script makes as long as it likes: not all of what is very long."""
+    """Text of an exception, cut to its first characters if it is very long."""
     text = _text(exception, str)
     return text if len(text) <= _MESSAGE_MAX else f"{text[:_MESSAGE_MAX]}… ({len(text)} characters)"
 
 
 def _text(value, function):
-    """``str`` or ``repr`` of a user's object, which may itself fail."""
+    """Result of ``str`` or ``repr`` for a user's object, or a placeholder if that raises."""
     try:
         return _utf8(function(value))
     except Exception as error:

@@ -1,4 +1,4 @@
-"""A wait that another thread ends, or the preemption of the waiting script's state."""
+"""Wait that ends when another thread wakes it, or when the script's state is preempted."""
 
 import threading
 import time
@@ -7,20 +7,20 @@ from rafcon import _signals
 
 
 class Wakeup:
-    """For one wait of one thread; ``state`` is the state whose script runs there, or None."""
+    """One wait of one thread; ``state`` is the state whose script runs on it, or None."""
 
     def __init__(self, state):
         self._signals = None if state is None else state._signals
         self._event = threading.Event()
 
     def wake(self):
-        """Ends the wait, also one that has not begun."""
+        """End the wait, even if it has not begun."""
         self._event.set()
         if self._signals is not None:
             self._signals.nudged = True
 
     def wait(self, timeout=None, heed_preemption=True):
-        """True once it is woken; False if the state was preempted or the time (s) is over before that."""
+        """Wait; True once woken, False if the state is preempted or the timeout (s) expires."""
         if self._signals is None:
             return self._event.wait(timeout)
         mask = _signals.NUDGED | (_signals.PREEMPTED if heed_preemption else 0)
