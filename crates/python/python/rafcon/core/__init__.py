@@ -1,4 +1,4 @@
-"""The parts of a state machine: states, their elements, the running objects and the variables."""
+"""Parts of a state machine: states, their elements, the running objects and the variables."""
 
 from rafcon._lazy import submodules
 

@@ -1,4 +1,4 @@
-"""Waiting for one's turn at a locked global variable, ended by the turn or by a preemption, and never by polling."""
+"""Waits for a locked global variable, ended by the release or a preemption, never by polling."""
 
 from rafcon import _objects
 from rafcon._wakeup import Wakeup
@@ -6,10 +6,11 @@ from rafcon.core.custom_exceptions import StatePreempted
 
 
 class Waiter:
-    """One blocked call. ``act`` is what it wants to do once the variable is free.
+    """One blocked call. ``act`` is the operation to run once the variable is free.
 
-    Whoever frees the variable carries ``act`` out for the waiter, so the waiters are served in the order of their
-    arrival. ``finish`` is called under the manager's lock, all else without it.
+    The thread that frees the variable runs ``act`` for the waiter, so waiters are served in the
+    order of their arrival. ``finish`` is called under the manager's lock, everything else without
+    it.
     """
 
     def __init__(self, act):
@@ -21,7 +22,7 @@ class Waiter:
         self._wakeup = Wakeup(self._state)
 
     def finish(self, variable):
-        """Carries the call out on a variable that is free (None: it is gone) and wakes the caller."""
+        """Run the call on a free variable (None if it was removed) and wake the caller."""
         try:
             self._result = self._act(variable)
         except Exception as error:
@@ -30,17 +31,17 @@ class Waiter:
         self._wakeup.wake()
 
     def sleep(self):
-        """Until the turn has come: True; False if the state was preempted first."""
+        """Wait until the call has run: True; False if the state was preempted first."""
         told = self._state is None or self._state._told_preempted()
         return self._wakeup.wait(heed_preemption=not told)
 
     def result(self):
-        """What the call returns or raises."""
+        """Return the result of the call, or raise its exception."""
         if self._error is not None:
             raise self._error
         return self._result
 
     def preemption(self, key):
-        """The exception that ends the script; from now on the script has been told."""
+        """Return the exception that ends the script, and note that the script has seen it."""
         self._state.preempted  # noqa: B018, reading it notes that
         return StatePreempted(f"preempted while waiting for the locked global variable `{key}`")

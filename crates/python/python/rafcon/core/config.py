@@ -1,4 +1,4 @@
-"""The configuration: the keys of ``config.yaml`` that scripts and plugins ask for."""
+"""Configuration: the keys of ``config.yaml`` that scripts and plugins read."""
 
 import os
 from logging import DEBUG, INFO, WARNING
@@ -28,11 +28,14 @@ DEFAULTS = {
 
 
 class ObservableConfig(Observable):
-    """Base of configurations: key to value, in a YAML file."""
+    """Base class of configurations: key to value, in a YAML file."""
 
 
 class Config(ObservableConfig):
-    """Key to value. In a running machine it holds the configuration in force; changes last until the process ends."""
+    """Configuration of this process: key to value. Changes last until the process ends.
+
+    In a running machine it holds the configuration of the run.
+    """
 
     def __init__(self):
         self._values = dict(DEFAULTS)
@@ -40,9 +43,10 @@ class Config(ObservableConfig):
         self._path = None
 
     def load(self, config_file=None, path=None):
-        """Reads a ``config.yaml`` in the folder ``path`` (``~/.config/rafcon``); without a file, defaults hold.
+        """Read a ``config.yaml`` in the folder ``path`` (default ``~/.config/rafcon``).
 
-        Nothing is written. A missing file is a warning in the log if it was named itself, and not its folder only.
+        Writes no file. If the file is missing, the values stay as they are, and the log has an
+        entry: a warning if ``config_file`` was given.
         """
         folder = os.path.expanduser(path or os.path.join("~", ".config", "rafcon"))
         file = os.path.join(folder, config_file or "config.yaml")
@@ -57,16 +61,16 @@ class Config(ObservableConfig):
         self._replace(values)
 
     def get_config_value(self, key, default=None):
-        """The value of a key, or ``default`` if the key is not known."""
+        """Value of a key, or ``default`` if the key is unknown."""
         return self._values.get(key, default)
 
     @Observable.observed
     def set_config_value(self, key, value):
-        """Changes a value for other scripts to see; files and the machine that runs stay as they are."""
+        """Change a value for other scripts; files and the running machine are not affected."""
         self._values[key] = value
 
     def is_config_loaded_from_file(self):
-        """Whether a file was read."""
+        """True if a file was read."""
         return self._path is not None
 
     def get_all_keys(self):
@@ -76,7 +80,7 @@ class Config(ObservableConfig):
     keys = property(get_all_keys, doc="All keys.")
 
     def as_dict(self):
-        """A copy: key to value."""
+        """Copy of the configuration: key to value."""
         return dict(self._values)
 
     def _replace(self, values):

@@ -1,11 +1,11 @@
-"""Constants of the state machine's parts."""
+"""Constants of the parts of a state machine."""
 
 #: The id of the decider in every barrier.
 UNIQUE_DECIDER_STATE_ID = "unique_decider_state_id"
 
 
 def __getattr__(name):
-    """``RAFCON_TEMP_PATH_STORAGE`` and ``DEFAULT_SCRIPT_PATH``: the folder is made when it is first asked for."""
+    """Create the folder ``RAFCON_TEMP_PATH_STORAGE`` (``DEFAULT_SCRIPT_PATH``) on first use."""
     if name in ("RAFCON_TEMP_PATH_STORAGE", "DEFAULT_SCRIPT_PATH"):
         from rafcon.utils.constants import RAFCON_TEMP_PATH_STORAGE
 

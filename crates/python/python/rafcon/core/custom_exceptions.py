@@ -1,4 +1,4 @@
-"""The exceptions that scripts may meet."""
+"""Exceptions that scripts may receive."""
 
 
 class LibraryNotFoundException(Exception):
@@ -6,13 +6,13 @@ class LibraryNotFoundException(Exception):
 
 
 class LibraryNotFoundSkipException(Exception):
-    """A library is missing and was chosen to be left out."""
+    """A library is missing and was to be skipped."""
 
 
 class RecoveryModeException(ValueError):
-    """An element is not valid, and the machine is loaded all the same.
+    """An element is invalid, and the machine is loaded nevertheless.
 
-    ``do_delete_item`` says whether the element is to be left out.
+    ``do_delete_item`` is True if the element is to be skipped.
     """
 
     def __init__(self, message, do_delete_item=False):
@@ -21,7 +21,10 @@ class RecoveryModeException(ValueError):
 
 
 class MachineChangeNotSupported(RuntimeError):
-    """A script asked for something that the process of a running machine does not do. Nothing has changed."""
+    """A script requested something that the process of a running machine does not do.
+
+    Nothing has changed.
+    """
 
     def __init__(self, call):
         RuntimeError.__init__(
@@ -33,11 +36,11 @@ class MachineChangeNotSupported(RuntimeError):
 
 
 class MachineChangeRefused(RuntimeError):
-    """A change of the running machine would take something away that is in use. Nothing has changed."""
+    """A change would remove something that the running machine uses. Nothing has changed."""
 
 
 class CommandNotSupported(RuntimeError):
-    """A script called something of the engine that makes no sense in the machine that it is part of."""
+    """A script called a function of the engine that is not available in its own machine."""
 
     def __init__(self, call):
         RuntimeError.__init__(self, f"`{call}` is not for scripts of the machine that runs; nothing was done")
@@ -45,9 +48,10 @@ class CommandNotSupported(RuntimeError):
 
 
 class StatePreempted(BaseException):
-    """Ends a script that was blocked on a locked global variable when its state was preempted.
+    """Ends a script that waits for a locked global variable when its state is preempted.
 
-    It is raised once in a run of a state, and only if the script has not yet seen that it is preempted
-    (``self.preempted`` or a wait said so). Calls made afterwards, in ``finally`` or ``except``, wait as usual. The
-    state leaves by *preempted*. It is no ``Exception``, so that ``except Exception`` lets it pass.
+    It is raised once in a run of a state, and only if the script has not yet seen the preemption
+    (from ``self.preempted`` or the result of a wait). Later calls, in ``finally`` or ``except``,
+    wait as usual. The state leaves by *preempted*. The class is not a subclass of ``Exception``, so
+    that ``except Exception`` does not catch it.
     """

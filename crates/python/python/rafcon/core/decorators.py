@@ -9,7 +9,7 @@ _counting = threading.Lock()
 
 
 def lock_state_machine(method):
-    """Decorator: the method holds the modification lock of its object's state machine while it runs."""
+    """Decorator: hold the modification lock of the object's state machine during the method."""
 
     @functools.wraps(method)
     def wrapper(self, *arguments, **named):

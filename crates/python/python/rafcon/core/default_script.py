@@ -1,8 +1,8 @@
-"""What a new execution state does."""
+"""Script of a new execution state."""
 
 
 def execute(self, inputs, outputs, gvm):
-    """Greets, waits for two seconds, and ends by *success*."""
+    """Log a greeting, wait for two seconds, and leave by *success*."""
     self.logger.info("Hello {}".format(self.name))
     self.preemptive_wait(2)
     return "success"

@@ -1,4 +1,4 @@
-"""Global variables: ``gvm`` in scripts. They outlive the runs of a machine, and end with the process."""
+"""Global variables: ``gvm`` in scripts. They outlive runs of a machine and end with the process."""
 
 import copy
 import os
@@ -23,8 +23,11 @@ _IMMUTABLE = frozenset(
 
 
 class _Variable:
-    """A variable: its value, whether that is the user's own object, its type, the key of who has locked it, and how the
-    journal of the run keeps the value (None without a journal)."""
+    """Variable: its value, type, access key while it is locked, and form in the journal.
+
+    ``by_reference`` is True if the value is the user's own object. ``kept`` is None without a
+    journal.
+    """
 
     __slots__ = ("value", "by_reference", "data_type", "access_key", "kept")
 
@@ -39,9 +42,10 @@ class _Variable:
 class GlobalVariableManager(Observable):
     """Named values that all states share.
 
-    A value is kept as a deep copy, or as the object itself (``per_reference``). A locked variable is read and written
-    by whoever has its access key; a call without a key waits for the end of the lock, first come, first served. Such a
-    wait ends with :class:`~rafcon.core.custom_exceptions.StatePreempted` if the state of the script is preempted.
+    A value is stored as a deep copy, or as the object itself (``per_reference``). A locked variable
+    can only be read and written with its access key. A call without the key waits until the lock
+    ends; calls are served in the order of their arrival. A preemption of the script's state ends
+    such a wait with :class:`~rafcon.core.custom_exceptions.StatePreempted`.
     """
 
     def __init__(self):
@@ -54,18 +58,19 @@ class GlobalVariableManager(Observable):
 
     @staticmethod
     def instance(*arguments, **named):
-        """The manager of this process, the one that scripts get as ``gvm``, which is there already: arguments mean nothing."""
+        """Manager of this process, which scripts receive as ``gvm``; arguments have no effect."""
         return global_variables
 
     # ---- reading and writing
 
     @Observable.observed
     def set_variable(self, key, value, per_reference=False, access_key=None, data_type=None):
-        """Writes a variable; makes it if there is none.
+        """Set a variable, and create it if it is missing.
 
-        ``key`` is turned into a ``str``. ``data_type`` declares its type; without one it keeps the type that it has.
-        Waits while the variable is locked, unless the ``access_key`` is given. Raises ``TypeError`` for a value that is
-        not of the type, ``RuntimeError`` for a wrong key, and what ``copy.deepcopy`` raises; nothing is changed then.
+        ``key`` is converted to ``str``. ``data_type`` declares the type of the variable; without it
+        the type stays. Waits while the variable is locked, unless the ``access_key`` is given.
+        Raises ``TypeError`` for a value of another type, ``RuntimeError`` for a wrong key, and any
+        exception of ``copy.deepcopy``. The variable is unchanged after an error.
         """
         key = str(key)
         if data_type is not None and not isinstance(data_type, type):
@@ -86,11 +91,12 @@ class GlobalVariableManager(Observable):
         self._ledger.write()
 
     def get_variable(self, key, per_reference=None, access_key=None, default=None):
-        """The value of a variable, or ``default`` if there is none.
+        """Value of a variable, or ``default`` if there is no such variable.
 
-        A deep copy if it is kept as a copy, the object itself if it is kept by reference; ``per_reference=False`` asks
-        for a copy of that too. Waits while the variable is locked, unless the ``access_key`` is given. Raises
-        ``RuntimeError`` for a wrong key, and for ``per_reference=True`` on a variable that is kept as a copy.
+        Returns a deep copy of a variable that is stored as a copy, and the object itself of one
+        that is stored by reference, or a copy with ``per_reference=False``. Waits while the
+        variable is locked, unless the ``access_key`` is given. Raises ``RuntimeError`` for a wrong
+        key, and for ``per_reference=True`` on a variable that is stored as a copy.
         """
         key = str(key)
         found = self._when_allowed(key, access_key, _content)
@@ -104,15 +110,15 @@ class GlobalVariableManager(Observable):
         return _copied(value)
 
     def set_locked_variable(self, key, access_key, value):
-        """Writes a variable that the caller has locked."""
+        """Set a variable that the caller has locked."""
         return self.set_variable(key, value, per_reference=False, access_key=access_key)
 
     def get_locked_variable(self, key, access_key):
-        """The value of a variable that the caller has locked."""
+        """Value of a variable that the caller has locked."""
         return self.get_variable(key, per_reference=False, access_key=access_key)
 
     def get_representation(self, key):
-        """The object that is kept, locked or not, never a copy; None if there is no such variable."""
+        """Stored object itself, locked or not; None if there is no such variable."""
         variable = self._variables.get(str(key))
         return None if variable is None else variable.value
 
@@ -120,10 +126,10 @@ class GlobalVariableManager(Observable):
 
     @Observable.observed
     def lock_variable(self, key, block=False):
-        """Locks a variable and returns the access key (``str``).
+        """Lock a variable and return the access key (``str``).
 
-        If it is locked already: waits with ``block``, else logs a warning and returns False. False, too, with an
-        error in the log, if there is no such variable.
+        If it is locked already, waits with ``block``, else logs a warning and returns False. If
+        there is no such variable, logs an error and returns False.
         """
         key = str(key)
         access_key = self._when_allowed(key, None, _locked) if block else self._lock_now(key)
@@ -142,9 +148,10 @@ class GlobalVariableManager(Observable):
 
     @Observable.observed
     def unlock_variable(self, key, access_key, force=False):
-        """Ends a lock and serves those who wait; True if it was locked.
+        """Unlock a variable and serve waiting calls; True if it was locked.
 
-        ``force`` needs no key. Raises ``KeyError`` if there is no such variable, ``RuntimeError`` for a wrong key.
+        ``force`` needs no key. Raises ``KeyError`` if there is no such variable, ``RuntimeError``
+        for a wrong key.
         """
         key = str(key)
         with self._lock:
@@ -162,7 +169,7 @@ class GlobalVariableManager(Observable):
         return locked
 
     def is_locked(self, key):
-        """Whether the variable is locked; False if there is none."""
+        """True if the variable is locked; False if there is no such variable."""
         variable = self._variables.get(str(key))
         return variable is not None and variable.access_key is not None
 
@@ -170,7 +177,10 @@ class GlobalVariableManager(Observable):
 
     @Observable.observed
     def delete_variable(self, key):
-        """Removes a variable and its type; ``AttributeError`` if there is none, ``RuntimeError`` if it is locked."""
+        """Remove a variable and its type.
+
+        Raises ``AttributeError`` if there is no such variable, ``RuntimeError`` if it is locked.
+        """
         key = str(key)
         with self._lock:
             variable = self._variables.get(key)
@@ -183,7 +193,7 @@ class GlobalVariableManager(Observable):
         self._ledger.write()
 
     def reset(self):
-        """Removes all variables, locked ones too; who waits for one finds that it is gone."""
+        """Remove all variables, also locked ones; waiting calls find their variable missing."""
         with self._lock:
             for key in self._variables:
                 self._ledger.note(key, None)
@@ -195,40 +205,43 @@ class GlobalVariableManager(Observable):
     destroy_all_variables = reset
 
     def variable_exist(self, key):
-        """Whether there is such a variable."""
+        """True if there is such a variable."""
         return str(key) in self._variables
 
     variable_exists = variable_exist
 
     def variable_can_be_referenced(self, key):
-        """Whether there is such a variable and it is kept by reference."""
+        """True if there is such a variable and it is stored by reference."""
         variable = self._variables.get(str(key))
         return variable is not None and variable.by_reference
 
     def data_type_exist(self, key):
-        """Whether there is such a variable, so that it has a type."""
+        """True if there is such a variable: each one has a type."""
         return self.variable_exist(key)
 
     def get_data_type(self, key):
-        """The declared type of a variable, ``NoneType`` if none was declared; None if there is no such variable."""
+        """Declared type of a variable.
+
+        ``NoneType`` if no type was declared, None if there is no such variable.
+        """
         variable = self._variables.get(str(key))
         return None if variable is None else variable.data_type
 
     def get_all_keys(self):
-        """The names of all variables, in the order in which they were made."""
+        """Names of all variables, in the order of their creation."""
         return list(self._variables)
 
     def get_all_keys_starting_with(self, start_key):
-        """The names that begin with a text."""
+        """Names that begin with a text."""
         return [key for key in self._variables.copy() if key.startswith(start_key)]
 
     @staticmethod
     def check_value_and_type(value, data_type):
-        """Raises ``TypeError`` unless the value may be kept in a variable of this type.
+        """Raise ``TypeError`` unless the value may be stored in a variable of this type.
 
-        None always may, and everything if no type was declared. Else the value is of the type or of a subclass; an
-        ``int`` is a ``float`` too. Because machines rely on it, a value of a base class is let through as well (an
-        ``int`` in a ``bool`` variable).
+        None is always accepted, and any value if no type was declared. Otherwise the value must be
+        of the type or a subclass; an ``int`` is accepted as a ``float``. Because machines rely on
+        it, a value of a base class is accepted too (an ``int`` in a ``bool`` variable).
         """
         if value is None or data_type is _UNTYPED or isinstance(value, data_type):
             return
@@ -242,10 +255,11 @@ class GlobalVariableManager(Observable):
     # ---- for the runner
 
     def _resolve(self, name):
-        """(found, value, how the journal keeps it) for a port default `$name`: never waits, for a locked variable neither.
+        """Resolve a port default ``$name`` to (found, value, the value's form in the journal).
 
-        The engine is locked meanwhile, so no code of the user runs, and nothing is copied: the value is the variable's own,
-        which nobody else changes, and a script gets a copy of its inputs anyway.
+        Never waits, not even for a locked variable. The engine is locked meanwhile, so no code of
+        the user runs, and the value is not copied: nobody else changes the variable's own value,
+        and a script receives a copy of its inputs anyway.
         """
         with self._lock:
             variable = self._variables.get(name)
@@ -256,7 +270,7 @@ class GlobalVariableManager(Observable):
         return True, found[0], kept
 
     def _restore(self, name, value):
-        """Puts a variable back as the journal of the run had it."""
+        """Restore a variable from the journal of the run."""
         variable = _Variable()
         if isinstance(value, Variable):
             variable.value, variable.by_reference, variable.data_type = value.value, value.by_reference, value.data_type
@@ -268,30 +282,30 @@ class GlobalVariableManager(Observable):
             self._variables[name] = variable
 
     def _keep_in(self, journal):
-        """From now on each change goes into the journal of the run; what is there already does as the run begins."""
+        """Write each change to the journal from now on, and queue the current variables for it."""
         self._ledger = Ledger(journal)
         for name, variable in self._variables.items():
             variable.kept = self._ledger.keep(variable.value, variable.by_reference, variable.data_type)
             self._ledger.note(name, variable.kept)
 
     def _note_all(self):
-        """The run begins: the variables that were there before it, and were not put back by it, go into its journal."""
+        """Write the queued variables to the journal, at the beginning of the run."""
         self._ledger.write()
 
     def _values(self):
-        """Name to value, the kept objects themselves."""
+        """Stored objects themselves, by name."""
         with self._lock:
             return {key: variable.value for key, variable in self._variables.items()}
 
     def _after_fork_in_child(self):
-        """The lock may have been held by a thread that does not exist in the child; the journal is the parent's."""
+        """Replace the lock, which a thread of the parent may hold; drop the parent's journal."""
         self._lock = threading.RLock()
         self._ledger = Ledger()
 
     # ---- waiting
 
     def _when_allowed(self, key, access_key, act):
-        """``act(variable)`` as soon as the variable is not locked, or at once with its key."""
+        """Run ``act(variable)`` once the variable is unlocked, or at once with its key."""
         with self._lock:
             variable = self._variables.get(key)
             if variable is None or variable.access_key is None:
@@ -310,14 +324,14 @@ class GlobalVariableManager(Observable):
         return waiter.result()
 
     def _give_up(self, key, waiter):
-        """Takes a call out of the queue; False if its turn has come meanwhile."""
+        """Remove a call from the queue; False if it has been served meanwhile."""
         with self._lock:
             if not waiter.done:
                 self._queues[key].remove(waiter)
         return not waiter.done
 
     def _serve(self, key):
-        """Carries out the waiting calls in turn, until one of them locks the variable (again)."""
+        """Run the waiting calls in order, until one of them locks the variable (again)."""
         queue = self._queues.get(key, ())
         while queue:
             variable = self._variables.get(key)
@@ -332,7 +346,7 @@ def _content(variable):
 
 
 def _locked(variable):
-    """Locks a free variable; its access key, or None if there is no variable."""
+    """Lock a free variable; return its access key, or None if there is no variable."""
     if variable is None:
         return None
     variable.access_key = "".join(string.ascii_uppercase[byte % 26] for byte in os.urandom(_KEY_LENGTH))

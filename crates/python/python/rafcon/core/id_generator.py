@@ -1,4 +1,4 @@
-"""Ids for what is built, unique in this process."""
+"""Ids of new elements, unique in this process."""
 
 import itertools
 import random
@@ -20,64 +20,64 @@ _given_global_ids = set()
 
 
 def generate_state_machine_id():
-    """The next id of a state machine."""
+    """Next id of a state machine."""
     return _ids.machine_id()
 
 
 def generate_transition_id():
-    """The next id of a transition."""
+    """Next id of a transition."""
     return _ids.transition_id(lambda _id: False)
 
 
 def generate_data_flow_id():
-    """The next id of a data flow."""
+    """Next id of a data flow."""
     return _ids.data_flow_id(lambda _id: False)
 
 
 def generate_state_name_id():
-    """The next number for the name of a state."""
+    """Next number for the name of a state."""
     return _ids.state_number()
 
 
 def generate_script_id():
-    """The next number of a script."""
+    """Next number of a script."""
     return next(_scripts)
 
 
 def generate_data_port_id(used_data_port_ids):
-    """The least id that no port has."""
+    """Lowest id, from 0, that no port has."""
     return _free(used_data_port_ids)
 
 
 def generate_outcome_id(used_outcome_ids):
-    """The least id, from 0, that no outcome has."""
+    """Lowest id, from 0, that no outcome has."""
     return _free(used_outcome_ids)
 
 
 def generate_semantic_data_key(used_semantic_keys):
-    """A key that no entry has."""
+    """Key that no entry has."""
     return next(key for key in map("semantic data key {}".format, itertools.count()) if key not in used_semantic_keys)
 
 
 def state_id_generator(size=STATE_ID_LENGTH, chars=string.ascii_uppercase, used_state_ids=None):
-    """Letters by chance that are not used yet."""
+    """Random letters that are not used yet."""
     return _by_chance(size, chars, used_state_ids or ())
 
 
 def global_variable_id_generator(size=10, chars=string.ascii_uppercase):
-    """Letters by chance that this function never gave before."""
+    """Random letters that this function has not returned before."""
     found = _by_chance(size, chars, _given_global_ids)
     _given_global_ids.add(found)
     return found
 
 
 def history_item_id_generator():
-    """An id for an entry of a history."""
+    """Id for an entry of a history."""
     return f"{experiment_id}.history_item_id.{next(_history_items):020}"
 
 
 def run_id_generator():
-    """An id for a run of a state."""
+    """Id for a run of a state."""
     return f"{experiment_id}.run_id.{next(_runs):020}"
 
 

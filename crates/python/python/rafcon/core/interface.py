@@ -1,7 +1,8 @@
-"""How a program asks its user for folders and shows notices: functions that it may replace by its own.
+"""Functions with which a program asks its user for folders and shows notices; replaceable.
 
-``open_folder_func``, ``create_folder_func``, ``save_folder_func`` and ``show_notice_func`` are those in force; they
-begin as the functions for a terminal. Nothing in this package calls them: machines are loaded without questions.
+``open_folder_func``, ``create_folder_func``, ``save_folder_func`` and ``show_notice_func`` are the
+active functions. Initially they are those for a terminal. Nothing in this package calls them:
+machines are loaded without questions.
 """
 
 import os
@@ -9,14 +10,14 @@ from builtins import input  # the name is here so that programs and tests can re
 
 
 def open_folder_cmd_line(query, default_path=None):
-    """A folder that is there, as the user types it; ``default_path`` if nothing is typed, None if there is none."""
+    """Ask for an existing folder; ``default_path`` on empty input, None if it does not exist."""
     default = "" if default_path is None else f" [default {default_path}]"
     path = input(f"{query}{default}: ") or default_path
     return path if path and os.path.isdir(path) else None
 
 
 def create_folder_cmd_line(query, default_name=None, default_path=None):
-    """A folder that is made if it is not there; None if it cannot be."""
+    """Ask for a folder and create it if it is missing; None if that fails."""
     path = _named_or_default(query, default_name, default_path)
     try:
         if path is not None:
@@ -27,13 +28,13 @@ def create_folder_cmd_line(query, default_name=None, default_path=None):
 
 
 def save_folder_cmd_line(query, default_name=None, default_path=None):
-    """A folder to save to, which need not be there yet; None if it has nowhere to be."""
+    """Ask for a folder to save to, which may be missing; None if its parent folder is missing."""
     path = _named_or_default(query, default_name, default_path)
     return path if path is not None and os.path.isdir(os.path.dirname(path) or ".") else None
 
 
 def show_notice(notice, custom_buttons=None):
-    """Shows a text and waits for the return key; there are no buttons on a terminal."""
+    """Show a text and wait for the return key; a terminal has no buttons."""
     input(notice)
 
 

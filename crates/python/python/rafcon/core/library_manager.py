@@ -1,4 +1,4 @@
-"""Where libraries are found."""
+"""Lookup of libraries below the library roots."""
 
 import os
 
@@ -21,9 +21,10 @@ _USUAL = {
 
 
 class LibraryManager(Observable):
-    """The library roots: folders with state machines below them, each under a key.
+    """Library roots: folders that contain state machines, each under a key.
 
-    Each library is read once, for all states that stand for it, until ``initialize`` is called again.
+    Each library is read once, for all states that refer to it, until ``initialize`` is called
+    again.
     """
 
     def __init__(self):
@@ -31,31 +32,34 @@ class LibraryManager(Observable):
 
     @staticmethod
     def instance(*arguments, **named):
-        """The manager of this process, which is there already: arguments mean nothing."""
+        """Manager of this process; arguments have no effect."""
         from rafcon.core.singleton import library_manager
 
         return library_manager
 
     def initialize(self):
-        """Looks at the configured roots anew, and forgets the libraries that were read."""
+        """Forget the libraries that were read, so that they are read again on their next use."""
         self._known = None
 
     clean_loaded_libraries = initialize
 
     @Observable.observed
     def refresh_libraries(self):
-        """The same as ``initialize``."""
+        """Equivalent to ``initialize``."""
         self.initialize()
 
     def _roots(self):
-        """The roots as the compiled module has them, with what was read of them."""
+        """Roots for the compiled module, with the libraries that it has read."""
         roots = tuple(self.library_root_paths.items())
         if self._known is None or self._known[0] != roots:
             self._known = roots, native.LibraryRoots(list(roots))
         return self._known[1]
 
     def _document(self, library_path, library_name, version, named):
-        """A new library state by itself, and its id; ``named`` is its name and its id or None."""
+        """Create a standalone library state; return its document and id.
+
+        ``named`` is the state's name and its id, or None for each.
+        """
         self.get_os_path_to_library(library_path, library_name)
         name, state_id = named
         state_id = _ids.state_id() if state_id is None else state_id
@@ -64,16 +68,17 @@ class LibraryManager(Observable):
         return native.Document.library(self._roots(), reference, version, (state_id, None if name is None else str(name))), state_id
 
     def get_library_instance(self, library_path, library_name):
-        """A new :class:`~rafcon.core.states.library_state.LibraryState` for a library."""
+        """Create a :class:`~rafcon.core.states.library_state.LibraryState` for a library."""
         from rafcon.core.states.library_state import LibraryState
 
         return LibraryState(library_path, library_name)
 
     @property
     def library_root_paths(self):
-        """Key to absolute folder: those of the run; without a run, those of configuration and ``RAFCON_LIBRARY_PATH``.
+        """Key to absolute folder: roots of ``RAFCON_LIBRARY_PATH`` and of the configuration.
 
-        If none of the configuration is there, the usual ones below ``RAFCON_LIB_PATH`` are taken instead.
+        If no root of the configuration exists, the usual ones below ``RAFCON_LIB_PATH`` replace
+        them.
         """
         folders = map(_absolute, filter(None, os.environ.get("RAFCON_LIBRARY_PATH", "").split(os.pathsep)))
         roots = {os.path.basename(folder): folder for folder in folders}
@@ -83,13 +88,13 @@ class LibraryManager(Observable):
 
     @property
     def libraries(self):
-        """Nested dictionaries: root key, folders, and at last the library's name to its absolute folder."""
+        """Nested dictionaries: root key to folders, and in these library name to absolute path."""
         return {key: _tree(folder) for key, folder in self.library_root_paths.items()}
 
     def get_os_path_to_library(self, library_path, library_name, allow_user_interaction=True):
-        """The folder of a library, its path (again) and its name (again).
+        """Folder of a library, with its path and name.
 
-        ``LibraryNotFoundException`` if it is not there; nobody is asked.
+        Raises ``LibraryNotFoundException`` if the library is missing. Never asks the user.
         """
         root, *folders = library_path.split("/")
         if "" in folders or root not in self.library_root_paths:
@@ -100,7 +105,7 @@ class LibraryManager(Observable):
         return folder, library_path, library_name
 
     def is_library_in_libraries(self, library_path, library_name):
-        """Whether the library is there."""
+        """True if the library exists."""
         try:
             self.get_os_path_to_library(library_path, library_name)
         except LibraryNotFoundException:
@@ -108,7 +113,7 @@ class LibraryManager(Observable):
         return True
 
     def get_library_path_and_name_for_os_path(self, path):
-        """The library path and name of a folder; (None, None) if it is below no root."""
+        """Library path and name of a folder; (None, None) if it is not below a root."""
         path = _absolute(path)
         for key, root in self.library_root_paths.items():
             if path != root and os.path.commonpath([root, path]) == root:
@@ -117,7 +122,7 @@ class LibraryManager(Observable):
         return None, None
 
     def is_os_path_within_library_root_paths(self, path):
-        """Whether a folder is below a root."""
+        """True if a folder is below a root."""
         return self.get_library_path_and_name_for_os_path(path) != (None, None)
 
 
@@ -127,7 +132,7 @@ def _usual():
 
 
 def _folders(paths):
-    """Those that are there."""
+    """Keep the folders that exist, as absolute paths."""
     folders = {key: _absolute(folder) for key, folder in paths.items()}
     return {key: folder for key, folder in folders.items() if os.path.isdir(folder)}
 

@@ -1,4 +1,4 @@
-"""The script of an execution state."""
+"""Script of an execution state."""
 
 import io
 import os
@@ -16,7 +16,7 @@ SCRIPT_FILE = "script.py"
 
 
 def _decoded(source):
-    """The text of a source file in UTF-8, or in the encoding that it declares."""
+    """Decode a source file: UTF-8, or the encoding that it declares."""
     try:
         text = source.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -25,9 +25,10 @@ def _decoded(source):
 
 
 class Script:
-    """The text of a script, and where it lies: that of a state, or one that a state may get by ``state.script = …``.
+    """Text and file of a script: that of a state, or one to assign with ``state.script = …``.
 
-    One that is made has the text of the file ``filename`` in the folder ``path``, or that of a new state.
+    A new one has the text of the file ``filename`` in the folder ``path``; without ``path``, the
+    script of a new state.
     """
 
     def __init__(self, path=None, filename=None, parent=None):
@@ -38,13 +39,13 @@ class Script:
             self.load_script()
 
     def _belong_to(self, state):
-        """From now on it is the script of a state, with the state's text."""
+        """Make this the script of a state, with the state's text."""
         self._state = self._parent = state
         return self
 
     @property
     def script(self):
-        """The text (``str``), or None where there is no file."""
+        """Text (``str``), or None if there is no file."""
         return self._text if self._state is None else self._state.script_text
 
     @script.setter
@@ -55,30 +56,30 @@ class Script:
             self._state.script_text = text
 
     def set_script_without_compilation(self, text):
-        """The same as assigning ``script``."""
+        """Equivalent to assigning ``script``."""
         self.script = text
 
     def load_script(self, path=None, filename=None):
-        """Takes the text of a file over; without arguments, that of its own file."""
+        """Read the text from a file, by default the script's own."""
         path = self.path if path is None else path
         with open(os.path.join(path, filename or self.filename), "rb") as file:
             self.script = _decoded(file.read())
 
     def compile_module(self):
-        """Raises what Python says against the text, if anything."""
+        """Compile the text; raises ``SyntaxError`` if it is invalid."""
         compile(self.script or "", os.path.join(self.path or "", self.filename), "exec")
 
     @property
     def path(self):
-        """The folder (``str``) of the script."""
+        """Folder (``str``) of the script."""
         return self._path if self._state is None else self._state.file_system_path
 
     @property
     def filename(self):
-        """The name of the file; ``script.py`` for that of a state."""
+        """Name of the file; ``script.py`` for the script of a state."""
         return self._filename if self._state is None else SCRIPT_FILE
 
     @property
     def parent(self):
-        """The state, or None."""
+        """State of the script, or None."""
         return self._parent

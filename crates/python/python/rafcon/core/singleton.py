@@ -1,4 +1,4 @@
-"""The running objects, one of each in a process."""
+"""Running objects, one of each per process."""
 
 import argparse
 import threading

@@ -1,7 +1,8 @@
-"""What a program calls that opens and runs a machine, in the order in which it does so.
+"""Functions with which a program opens and runs a machine, in the order of their use.
 
-``python3 -m rafcon.core.start -o MACHINE`` is such a program: it runs a machine in its own process and ends with the
-exit codes of ``rafcon run``, which does more: it keeps a journal, and a crash of a script does not take it along.
+``python3 -m rafcon.core.start -o MACHINE`` is such a program. It runs a machine in its own process
+and has the exit codes of ``rafcon run``. ``rafcon run`` also keeps a journal and survives a crash
+of a script.
 """
 
 import argparse
@@ -40,9 +41,10 @@ def _hooks():
 
 
 def setup_argument_parser():
-    """The parser of the command line, ``argument_parser`` of :mod:`rafcon.core.singleton`, with the options of a start.
+    """Add the options of a start to ``argument_parser`` of :mod:`rafcon.core.singleton`; return it.
 
-    A plugin adds options of its own in ``pre_init``; what was given for them is in the argument of ``post_init``.
+    A plugin adds its own options in ``pre_init``, and receives their values in the argument of
+    ``post_init``.
     """
     if any(action.dest == "state_machine_path" for action in argument_parser._actions):
         return argument_parser
@@ -82,7 +84,7 @@ def setup_argument_parser():
 
 
 def _add_profiling(add):
-    """Options of old start scripts, which mean nothing here."""
+    """Add options of old start scripts, which have no effect here."""
     unused = "accepted for old start scripts; measure with tools of Python"
     add("-mp", "--memory-profiling", action="store_true", help=unused)
     add("-mpp", "--memory-profiling-path", metavar="path", nargs="?", default=os.path.expanduser(_LOGS), help=unused)
@@ -91,7 +93,7 @@ def _add_profiling(add):
 
 
 def parse_state_machine_path(path):
-    """The path, if a state machine is there; ``argparse.ArgumentTypeError`` if not."""
+    """Return the path of a state machine; ``argparse.ArgumentTypeError`` if it contains none."""
     for file in (storage.STATEMACHINE_FILE, "statemachine.yaml"):
         if os.path.isfile(os.path.join(path, file)):
             return path
@@ -107,7 +109,7 @@ def _parse_config_path(path):
 
 
 def parse_arguments(arguments):
-    """The options in a list of arguments, name to value; ``ValueError`` for what the parser does not know."""
+    """Options in a list of arguments, name to value; ``ValueError`` for invalid arguments."""
     parser = setup_argument_parser()
     parser.error = _raise
     try:
@@ -124,16 +126,16 @@ def _raise(message):
 
 
 def pre_setup_plugins():
-    """Loads the plugins of ``RAFCON_PLUGIN_PATH`` and calls their ``pre_init``."""
+    """Load the plugins of ``RAFCON_PLUGIN_PATH`` and call their ``pre_init``."""
     _hooks().load()
 
 
 def setup_environment():
-    """Nothing to do: no path has to be set for this package."""
+    """Do nothing: this package needs no paths."""
 
 
 def setup_configuration(config_path):
-    """Reads a ``config.yaml`` (a file, or the folder with it) and finds the libraries that it names."""
+    """Read a ``config.yaml`` (the file or its folder), and forget the libraries that were read."""
     if config_path is not None:
         folder, file = config_path, None
         if not os.path.isdir(config_path) and config_path != os.path.expanduser(_CONFIG):
@@ -143,25 +145,25 @@ def setup_configuration(config_path):
 
 
 def post_setup_plugins(parser_result):
-    """Calls ``post_init`` of the plugins with the parsed options, a namespace or a dictionary."""
+    """Call ``post_init`` of the plugins with the parsed options, a namespace or a dictionary."""
     options = parser_result if isinstance(parser_result, dict) else vars(parser_result)
     _hooks().call_guarded("post_init", options)
 
 
 def open_state_machine(state_machine_path):
-    """Loads a state machine and makes it known; returns it."""
+    """Load a state machine, register it with the manager, and return it."""
     machine = storage.load_state_machine_from_path(state_machine_path)
     state_machine_manager.add_state_machine(machine)
     return machine
 
 
 def start_state_machine(sm, start_state_path=None):
-    """Starts a state machine that is known."""
+    """Start a state machine that is registered with the manager."""
     state_machine_execution_engine.start(sm.state_machine_id, start_state_path)
 
 
 def wait_for_state_machine_finished(state_machine):
-    """Waits for the end of the run."""
+    """Wait for the end of the run."""
     # Wait in short intervals, so that signal handlers can run.
     while not state_machine_execution_engine.join(0.5):
         if state_machine_execution_engine.finished_or_stopped():
@@ -169,13 +171,13 @@ def wait_for_state_machine_finished(state_machine):
 
 
 def register_signal_handlers(callback):
-    """Lets SIGHUP, SIGINT and SIGTERM call a function; only the main thread can."""
+    """Call a function on SIGHUP, SIGINT and SIGTERM; only allowed on the main thread."""
     for name in ("SIGHUP", "SIGINT", "SIGTERM"):
         signals.signal(getattr(signals, name), callback)
 
 
 def signal_handler(signal, frame=None):
-    """Stops the machine that runs, in an orderly way."""
+    """Stop the running machine in an orderly manner."""
     from rafcon.core import singleton
 
     singleton.shut_down_signal = signal
@@ -184,12 +186,12 @@ def signal_handler(signal, frame=None):
 
 
 def reactor_required():
-    """Whether a plugin has imported Twisted, whose reactor then runs in the main thread."""
+    """True if a plugin has imported Twisted, whose reactor then runs in the main thread."""
     return "twisted" in sys.modules
 
 
 def stop_reactor_on_state_machine_finish(state_machine):
-    """Waits for the end of the run and ends Twisted's reactor."""
+    """Wait for the end of the run, then stop Twisted's reactor."""
     wait_for_state_machine_finished(state_machine)
     from twisted.internet import reactor
 
@@ -198,9 +200,10 @@ def stop_reactor_on_state_machine_finish(state_machine):
 
 
 def main(optional_args=None):
-    """Runs the machine that the command line (or a list of arguments) names, and returns the exit code.
+    """Run the machine that the command line (or a list of arguments) names; return the exit code.
 
-    0 if it ended by its outcome 0, 3 by another, 4 *aborted*, 5 *preempted*, 1 if there was no run.
+    0 if the machine ended by outcome 0, 3 by another one, 4 by *aborted*, 5 by *preempted*, and 1
+    if there was no run.
     """
     if threading.current_thread() is threading.main_thread():
         register_signal_handlers(signal_handler)
@@ -236,7 +239,7 @@ def _wait(machine, is_remote):
 
 
 def _wait_for_signal():
-    """Others start the machine meanwhile: a thread of a plugin, perhaps."""
+    """Wait for a signal, while a plugin or another thread may start the machine."""
     from rafcon.core import singleton
 
     pause = threading.Event()

@@ -1,4 +1,4 @@
-"""State machines: the one that runs, and those that are being built or were loaded."""
+"""State machines: the running one, and those that are built or loaded."""
 
 import datetime
 import threading
@@ -15,7 +15,7 @@ logger = get_logger(__name__)
 
 
 class StateMachine:
-    """A state machine; ``state.get_state_machine()`` gives the one that a state belongs to."""
+    """State machine; ``state.get_state_machine()`` returns that of a state."""
 
     def __init__(self, root_state=None, version=None, creation_time=None, state_machine_id=None):
         self._init(_ids.machine_id() if state_machine_id is None else state_machine_id)
@@ -34,14 +34,14 @@ class StateMachine:
         self._modification_lock = threading.RLock()
 
     def _bind(self, facts):
-        """It is the machine that runs."""
+        """Make this object represent the running machine."""
         self._init(1)
         self._facts = facts
         self._marked_dirty = False
 
     @classmethod
     def _loaded(cls, document, state_machine_id=None):
-        """A machine that was read from files."""
+        """Create a machine from a document that was read from files."""
         creation_time, version, _folder = document.header()
         machine = cls(None, version, creation_time, state_machine_id)
         root = _objects.blank_state(document.fact(document.root_id(), "kind"))
@@ -52,12 +52,12 @@ class StateMachine:
 
     @property
     def state_machine_id(self):
-        """The id (``int``) in this process."""
+        """Id (``int``) in this process."""
         return self._state_machine_id
 
     @property
     def root_state(self):
-        """The root state. One that stands elsewhere moves; where it stood, a copy stays behind."""
+        """Root state. Assigning a state that belongs elsewhere moves it and leaves a copy there."""
         return self._root if self._facts is None else _objects.state(self._facts["root"])
 
     @root_state.setter
@@ -76,7 +76,7 @@ class StateMachine:
         self._marked_dirty = True
 
     def change_root_state_type(self, new_state_class):
-        """Makes the root one of another class and returns the new object for it."""
+        """Change the class of the root and return the new object for it."""
         root = self.root_state
         root._change("state.kind", new_state_class._kind)
         if self._facts is None:
@@ -85,7 +85,7 @@ class StateMachine:
 
     @property
     def _document(self):
-        """The machine as the compiled module has it, with everything that users changed."""
+        """Document of the machine in the compiled module, with all changes of users."""
         if self._root is None:
             raise AttributeError("the state machine has no root state yet")
         home = self._root._home
@@ -95,14 +95,14 @@ class StateMachine:
 
     @property
     def file_system_path(self):
-        """The folder (``str``) of the state machine, or None."""
+        """Folder (``str``) of the state machine, or None."""
         if self._facts is not None:
             return self._facts["file_system_path"]
         return None if self._root is None else self._root._home.document.header()[2]
 
     @property
     def version(self):
-        """The version that the author gave it, or None."""
+        """Version that the author assigned, or None."""
         return self._version if self._facts is None else self._facts["version"]
 
     @version.setter
@@ -114,12 +114,12 @@ class StateMachine:
 
     @property
     def creation_time(self):
-        """When it was made, as text in UTC."""
+        """Time of creation as text, in UTC."""
         return self._creation_time if self._facts is None else self._facts["creation_time"]
 
     @property
     def marked_dirty(self):
-        """Whether it has changes that are not saved."""
+        """True if there are unsaved changes."""
         return self._marked_dirty
 
     @marked_dirty.setter
@@ -128,41 +128,37 @@ class StateMachine:
 
     @property
     def execution_histories(self):
-        """One history for each run of this process."""
+        """List with one history for each run of this process."""
         return [ExecutionHistory(self.root_state)]
 
     def get_last_execution_log_filename(self):
-        """Writes what the last run did to a file for :mod:`rafcon.utils.execution_log` and returns its name.
-
-        It lies in ``EXECUTION_LOG_PATH`` of the configuration, and has values as people see them, if the run kept a
-        journal. The journal itself says more, also after a crash.
-        """
+        """Write a log of the last run for :mod:`rafcon.utils.execution_log`; return its name."""
         from rafcon import _log_file
 
         return _log_file.write(self)
 
     def clear_execution_histories(self):
-        """Means nothing: a history belongs to its run, and goes with it."""
+        """Do nothing: a history is discarded with its run."""
 
     destroy_execution_histories = clear_execution_histories
 
     def mutable_hash(self, obj_hash=None):
-        """A hash of what the machine is made of, added to ``obj_hash`` if one is given."""
+        """Hash of the machine's content, added to ``obj_hash`` if given."""
         return self.root_state.mutable_hash(obj_hash)
 
     def get_modification_lock(self):
-        """The lock by which scripts exclude one another."""
+        """Lock with which scripts exclude one another."""
         return self._modification_lock
 
     def __copy__(self):
-        """The same once more, with an id of its own; it belongs to no folder."""
+        """Copy of the machine with a new id and without a folder."""
         return StateMachine(copy(self.root_state), self.version, self.creation_time)
 
     def __deepcopy__(self, _memo):
         return self.__copy__()
 
     def start(self):
-        """Starts the machine; see :meth:`join`. The same as the engine's ``start`` with the id of this machine."""
+        """Start the machine, like the engine's ``start`` with its id; see :meth:`join`."""
         from rafcon.core.singleton import state_machine_execution_engine, state_machine_manager
 
         if self._state_machine_id not in state_machine_manager.state_machines:
@@ -170,15 +166,15 @@ class StateMachine:
         state_machine_execution_engine.start(self._state_machine_id)
 
     def join(self, timeout=None):
-        """Waits for the end of the run; False if the time (s) ran out."""
+        """Wait for the end of the run; False if no run was started or the timeout (s) expired."""
         from rafcon.core.singleton import state_machine_execution_engine
 
         return state_machine_execution_engine.join(timeout)
 
     def get_state_by_path(self, path, as_check=False):
-        """The state of a path of ids, such as ``state.get_path()`` gives.
+        """State with a path of ids, such as ``state.get_path()`` returns.
 
-        None if there is no such state; that is an error in the log too, unless ``as_check`` is set.
+        None if there is no such state; this also logs an error, unless ``as_check`` is set.
         """
         first, *ids = path.split("/")
         state = self.root_state if first == self.root_state.state_id else None
@@ -190,11 +186,11 @@ class StateMachine:
         return state
 
     def acquire_modification_lock(self, blocking=True):
-        """Takes the lock by which scripts exclude one another; True if it was taken."""
+        """Acquire the lock with which scripts exclude one another; True if it was acquired."""
         return self._modification_lock.acquire(blocking)
 
     def release_modification_lock(self):
-        """Gives the lock back."""
+        """Release the lock."""
         self._modification_lock.release()
 
     @contextmanager

@@ -1,4 +1,4 @@
-"""The state machines of this process: the one that runs, or those that a program has built and loaded."""
+"""State machines of this process: the running one, or those that a program has built or loaded."""
 
 import os
 
@@ -8,7 +8,7 @@ from rafcon.design_patterns.observer.observable import Observable
 
 
 class StateMachineManager(Observable):
-    """Knows the state machines by their ids."""
+    """Registry of state machines by id."""
 
     def __init__(self):
         self._machines = {}
@@ -16,7 +16,7 @@ class StateMachineManager(Observable):
 
     @staticmethod
     def instance(*arguments, **named):
-        """The manager of this process, which is there already: arguments mean nothing."""
+        """Manager of this process; arguments have no effect."""
         from rafcon.core.singleton import state_machine_manager
 
         return state_machine_manager
@@ -31,7 +31,7 @@ class StateMachineManager(Observable):
 
     @property
     def active_state_machine_id(self):
-        """The id of the state machine that runs, or None."""
+        """Id of the active state machine, which runs or is run next, or None."""
         machine = self.get_active_state_machine()
         return None if machine is None else machine.state_machine_id
 
@@ -45,7 +45,10 @@ class StateMachineManager(Observable):
 
     @Observable.observed
     def add_state_machine(self, state_machine):
-        """Makes a state machine known and returns its id; ``AttributeError`` if one of the same folder is there."""
+        """Register a state machine and return its id.
+
+        Raises ``AttributeError`` if a state machine of its folder is already registered.
+        """
         from rafcon.core.state_machine import StateMachine
 
         hosted("StateMachineManager.add_state_machine")
@@ -59,43 +62,43 @@ class StateMachineManager(Observable):
 
     @Observable.observed
     def remove_state_machine(self, state_machine_id):
-        """Forgets a state machine and returns it; None, if there is none of this id."""
+        """Unregister a state machine and return it; None if there is none with this id."""
         hosted("StateMachineManager.remove_state_machine")
         if state_machine_id == self._active_id:
             self._active_id = None
         return self._machines.pop(state_machine_id, None)
 
     def remove_state_machine_by_path(self, path):
-        """Forgets the state machine of a folder and returns it."""
+        """Unregister the state machine of a folder and return it; None if there is none."""
         machine = self.get_open_state_machine_of_file_system_path(path)
         return None if machine is None else self.remove_state_machine(machine.state_machine_id)
 
     def delete_all_state_machines(self):
-        """Forgets all state machines but the active one, which runs."""
+        """Unregister all state machines except the active one."""
         for state_machine_id in [key for key in self._machines if key != self._active_id]:
             self.remove_state_machine(state_machine_id)
 
     def open_state_machines(self, state_machine_path_by_sm_id):
-        """Loads state machines, id to folder."""
+        """Load and register state machines, id to folder."""
         from rafcon.core.storage import storage
 
         for state_machine_id, path in state_machine_path_by_sm_id.items():
             self.add_state_machine(storage.load_state_machine_from_path(path, state_machine_id))
 
     def get_active_state_machine(self):
-        """The state machine that runs, or None."""
+        """Active state machine, which runs or is run next, or None."""
         return _objects.machine_or_none() if _objects.is_host() else self._machines.get(self._active_id)
 
     def get_state_machine(self, state_machine_id):
-        """The state machine of this id, or None."""
+        """State machine with this id, or None."""
         return self.state_machines.get(state_machine_id)
 
     def is_state_machine_open(self, file_system_path):
-        """Whether the state machine of a folder is known."""
+        """True if the state machine of a folder is registered."""
         return self.get_open_state_machine_of_file_system_path(file_system_path) is not None
 
     def get_open_state_machine_of_file_system_path(self, file_system_path):
-        """The state machine of a folder if it is known, else None."""
+        """State machine of a folder if it is registered, else None."""
         wanted = os.path.realpath(file_system_path)
         for machine in self.state_machines.values():
             if machine.file_system_path is not None and os.path.realpath(machine.file_system_path) == wanted:
@@ -103,10 +106,10 @@ class StateMachineManager(Observable):
         return None
 
     def get_sm_id_for_root_state_id(self, root_state_id):
-        """The id of the first state machine whose root state has this id, or None."""
+        """Id of the first state machine whose root state has this id, or None."""
         machines = self.state_machines.items()
         return next((key for key, machine in machines if machine.root_state.state_id == root_state_id), None)
 
     def has_dirty_state_machine(self):
-        """Whether there are changes that are not saved."""
+        """True if a state machine has unsaved changes."""
         return any(machine.marked_dirty for machine in self.state_machines.values())
