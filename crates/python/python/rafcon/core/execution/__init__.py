@@ -1,4 +1,4 @@
-"""The running machine as scripts see it: its status and the engine's commands."""
+"""Access of scripts to the running machine: its status, and commands of the engine."""
 
 from rafcon._lazy import submodules
 

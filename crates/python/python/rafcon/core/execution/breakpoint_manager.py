@@ -1,4 +1,4 @@
-"""Breakpoints of programs and scripts: the run is held before a state."""
+"""Breakpoints of programs and scripts, which hold the run before a state."""
 
 import itertools
 import os
@@ -16,10 +16,11 @@ _FIRST_ID = 1 << 40
 
 
 class BreakpointManager:
-    """The breakpoints of this process, kept from run to run.
+    """Breakpoints of this process, kept from run to run.
 
-    A breakpoint belongs to the name of a state's folder, so it holds wherever the state stands: in the library by
-    itself and in every machine that uses it. It holds all branches; ``engine.start()`` lets them go on.
+    A breakpoint belongs to the name of a state's folder. It applies wherever the state is used: in
+    its library and in every machine that uses the library. It holds all branches;
+    ``engine.start()`` resumes them.
     """
 
     def __init__(self):
@@ -31,20 +32,23 @@ class BreakpointManager:
         self._set = {}
 
     def add_breakpoint(self, state, display_name):
-        """Holds before a state, in this run and in later ones. ``display_name`` is for people."""
+        """Set a breakpoint before a state, for this run and later ones.
+
+        ``display_name`` is the name that is shown to people.
+        """
         entry = {"enabled": True, "name": display_name, "display_path": state.file_system_path}
         self._change(lambda breakpoints: breakpoints.update({_key(state): entry}))
 
     def remove_breakpoint(self, state):
-        """Holds before a state no longer."""
+        """Remove the breakpoint of a state."""
         self.remove_breakpoint_by_id(_key(state))
 
     def remove_breakpoint_by_id(self, state_id):
-        """The same, by the name of the state's folder."""
+        """Remove the breakpoint of a state, by the name of the state's folder."""
         self._change(lambda breakpoints: breakpoints.pop(state_id, None))
 
     def toggle_breakpoint(self, state_id):
-        """Switches the breakpoint of a folder's name off, or on again."""
+        """Disable the breakpoint of a folder's name, or enable it again."""
 
         def toggle(breakpoints):
             if state_id in breakpoints:
@@ -57,36 +61,36 @@ class BreakpointManager:
         self._change(dict.clear)
 
     def enable_all(self):
-        """Switches all breakpoints on."""
+        """Enable all breakpoints."""
         self._switch_all(True)
 
     def disable_all(self):
-        """Switches all breakpoints off; they stay."""
+        """Disable all breakpoints, without removing them."""
         self._switch_all(False)
 
     def _switch_all(self, enabled):
         self._change(lambda breakpoints: [entry.update(enabled=enabled) for entry in breakpoints.values()])
 
     def get_all_breakpoints(self):
-        """Name of the state's folder to ``enabled``, ``name`` and ``display_path``, the folder."""
+        """Breakpoints: name of the state's folder to ``enabled``, ``name`` and ``display_path``."""
         with self._lock:
             return {key: dict(entry) for key, entry in self._breakpoints.items()}
 
     def should_pause(self, state):
-        """Whether the run is held before a state."""
+        """True if the state has an enabled breakpoint."""
         return self.get_all_breakpoints().get(_key(state), {}).get("enabled", False)
 
     def add_listener(self, callback):
-        """Calls a function, without arguments, after each change, for as long as it (or its object) lives."""
+        """Call a function without arguments after each change, while it (or its object) exists."""
         reference = weakref.WeakMethod(callback) if hasattr(callback, "__self__") else weakref.ref(callback)
         self._listeners.append(reference)
 
     def remove_listener(self, callback):
-        """Calls a function no longer."""
+        """Remove a listener."""
         self._listeners = [ref for ref in self._listeners if not self.is_same_callback(ref, callback)]
 
     def is_same_callback(self, ref, callback):
-        """Whether a weak reference is that of a function."""
+        """True if a weak reference refers to a function."""
         return ref() == callback
 
     def _change(self, change):
@@ -100,7 +104,7 @@ class BreakpointManager:
                 found()
 
     def _apply(self, machine):
-        """Brings the breakpoints of the machine that runs in line with these."""
+        """Update the breakpoints of the running machine."""
         wanted = set(self._paths(machine))
         for path in [path for path in self._set if path not in wanted]:
             native.command("remove_breakpoint", None, self._set.pop(path))
@@ -123,14 +127,14 @@ class BreakpointManager:
                 waiting.append(inner)
 
     def _launched(self, machine):
-        """The breakpoints that a run of a machine begins with, as its launch has them."""
+        """Breakpoints for the launch message of a run."""
         with self._lock:
             self._set = {path: next(self._ids) for path in self._paths(machine)}
             return [{"id": number, "path": path, "scope": "run"} for path, number in self._set.items()]
 
 
 def _key(state):
-    """What a breakpoint of a state belongs to: the name of its folder, as it is or as it would be saved."""
+    """Key of a state's breakpoint: the name of the state's folder, current or at the next save."""
     from rafcon.core.storage.storage import get_storage_id_for_state
 
     folder = state.file_system_path

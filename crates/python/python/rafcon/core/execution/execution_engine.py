@@ -1,4 +1,4 @@
-"""The engine: scripts control the machine that they are part of, programs run those that they have built."""
+"""The engine, with which scripts control their own machine and programs run machines."""
 
 from rafcon import _embedding, _objects
 from rafcon._bridge import native
@@ -32,9 +32,9 @@ _RUNS = {
 
 
 class ExecutionEngine(Observable):
-    """Runs the state machine. A command takes effect at once and returns at once.
+    """Runs the state machine. A command takes effect immediately and does not block.
 
-    One that cannot be carried out now is a ``RuntimeError`` that says why.
+    Raises ``RuntimeError`` with the reason if a command is not possible at the moment.
     """
 
     def __init__(self, state_machine_manager):
@@ -52,7 +52,7 @@ class ExecutionEngine(Observable):
 
     @staticmethod
     def instance(*arguments, **named):
-        """The engine of this process, which is there already: arguments mean nothing."""
+        """Engine of this process; arguments have no effect."""
         from rafcon.core.singleton import state_machine_execution_engine
 
         return state_machine_execution_engine
@@ -63,17 +63,18 @@ class ExecutionEngine(Observable):
 
     @Observable.observed
     def pause(self):
-        """Holds every hierarchy before its next state; scripts that run go on."""
+        """Hold every hierarchy before its next state; running scripts continue."""
         self._command("pause")
 
     @Observable.observed
     def start(self, state_machine_id=None, start_state_path=None, inputs=None, journal=None):
-        """Starts a state machine of this program, the active one unless an id is given; a paused one goes on.
+        """Start a state machine of this program, by default the active one, or resume a paused one.
 
-        ``start_state_path`` names the state to begin at, ``inputs`` are values for input ports of the root, by name.
-        ``journal``: True keeps the run where ``rafcon run`` keeps its runs, a path in that folder; without it the key
-        ``FILE_SYSTEM_EXECUTION_HISTORY_ENABLE`` of the configuration counts. Scripts can only resume the machine that
-        they are part of.
+        ``start_state_path`` is the path of the state to begin at. ``inputs`` maps names of the
+        root's input ports to values. ``journal`` is True to keep the run in the folder of ``rafcon
+        run``, or the path of another folder; None selects the value of
+        ``FILE_SYSTEM_EXECUTION_HISTORY_ENABLE`` in the configuration. Scripts can only resume their
+        own machine.
         """
 
         def begin():
@@ -83,7 +84,7 @@ class ExecutionEngine(Observable):
             self._command_or(begin, "resume")
 
     def _command_or(self, begin, name, *arguments):
-        """Sends a command to the run that there is; where that has ended meanwhile, begins another. True if it did."""
+        """Send a command to the current run, or begin another if it has ended; True if begun."""
         try:
             self._command(name, *arguments)
         except RuntimeError:
@@ -96,7 +97,7 @@ class ExecutionEngine(Observable):
         return False
 
     def _begin(self, state_machine_id, wanted, inputs=None, journal=None, is_led=False):
-        """Starts a machine of this program, as ``wanted`` says; False if one runs already."""
+        """Start a machine of this program with launch fields ``wanted``; False if one runs."""
         if _objects.is_host() or self._is_running():
             return False
         manager = self.state_machine_manager
@@ -126,12 +127,12 @@ class ExecutionEngine(Observable):
             raise
 
     def _held(self, by):
-        """A branch of the run is held, by a start, a step or whatever."""
+        """Count a branch of the run that was held, unless by a start under external control."""
         if by != "start" or not self._is_led:
             self.synchronization_counter += 1
 
     def _ended(self, run):
-        """A run has ended: its machine is the active one no more."""
+        """Deactivate the machine of a run that has ended."""
         manager = self.state_machine_manager
         if manager._active_id == run.machine.state_machine_id:
             manager._active_id = None
@@ -141,13 +142,13 @@ class ExecutionEngine(Observable):
 
     @property
     def run_folder(self):
-        """The folder (``str``) of the last run's journal; None if it keeps none."""
+        """Folder (``str``) of the last run's journal; None if it has none."""
         return None if self._run is None else self._run.folder
 
     def join(self, timeout=None):
-        """Waits for the end of the run; True if it has ended, False if there is none or the time (s) ran out.
+        """Wait for the end of the run. False if no run was started or the timeout (s) expired.
 
-        Scripts cannot wait for the machine that they are part of.
+        Scripts cannot wait for their own machine: ``CommandNotSupported``.
         """
         if _objects.is_host():
             raise CommandNotSupported("ExecutionEngine.join")
@@ -156,7 +157,7 @@ class ExecutionEngine(Observable):
     def execute_state_machine_from_path(
         self, state_machine=None, path=None, start_state_path=None, wait_for_execution_finished=True
     ):
-        """Loads a state machine (unless one is given), runs it, and returns it."""
+        """Load a state machine (unless one is given), run it, and return it."""
         from rafcon.core.storage import storage
 
         if _objects.is_host():
@@ -171,7 +172,7 @@ class ExecutionEngine(Observable):
 
     @Observable.observed
     def stop(self):
-        """Preempts everything; the machine then ends as *preempted*. Where none runs there is nothing to stop."""
+        """Preempt all states; the machine then ends as *preempted*. No effect if none runs."""
         if not _objects.is_host() and not self._is_running():
             return
         try:
@@ -184,7 +185,7 @@ class ExecutionEngine(Observable):
 
     @Observable.observed
     def step_mode(self, state_machine_id=None):
-        """Holds wherever a next state would begin, from now on; a machine of this program is started for it."""
+        """Hold before each next state from now on; start a machine of this program if none runs."""
 
         def begin():
             return self._begin(state_machine_id, {"hold": True})
@@ -193,23 +194,23 @@ class ExecutionEngine(Observable):
             self._last_command = "step_mode"
 
     def step_into(self):
-        """One state further on every branch that is held, entering it."""
+        """Advance every held branch by one state, entering it."""
         self._command("step_into")
 
     def step_over(self):
-        """One state further on every branch that is held, running all that is in it."""
+        """Advance every held branch by one state, running all that is inside."""
         self._command("step_over")
 
     def step_out(self):
-        """To the end of the containers that are held."""
+        """Run to the end of the held containers."""
         self._command("step_out")
 
     def backward_step(self):
-        """One step back on every branch that is held."""
+        """Take every held branch one step back."""
         self._command("step_back")
 
     def _lead(self, state_machine_id, name, path):
-        """Sends a command about a state; where no machine runs, to one that is started for it."""
+        """Send a command about a state, to a machine that is started for it if none is running."""
 
         def begin():
             return self._begin(state_machine_id, {"hold": True}, is_led=True)
@@ -219,21 +220,21 @@ class ExecutionEngine(Observable):
             self._command(name, path)
 
     def run_to_selected_state(self, path, state_machine_id=None):
-        """Runs until before the state at a path, and holds there."""
+        """Run up to the state at a path, and hold before it."""
         self._lead(state_machine_id, "run_to", path)
 
     def run_selected_state(self, path, state_machine_id=None):
-        """Begins again at the state at a path, runs it, and holds. The machine has to be held."""
+        """Begin again at the state at a path, run it, and hold. The machine must be held."""
         self._lead(state_machine_id, "run_selected", path)
 
     def run_only_selected_state(self, path, state_machine_id=None):
-        """Begins again at the state at a path, runs it, and stops. The machine has to be held."""
+        """Begin again at the state at a path, run it, and stop. The machine must be held."""
         self._lead(state_machine_id, "run_only_selected", path)
 
     def replay_from_history(self, call_item, state_machine=None):
-        """Begins again at an entry of ``state.execution_history`` with its data, and holds there.
+        """Begin again at an entry of ``state.execution_history``, with its data, and hold there.
 
-        The run has to be held or, in the program that started it, to have ended; it must have kept a journal.
+        The run must be held or, in the program that started it, have ended. It must have a journal.
         """
         run = self._run
         if run is None or not run.is_over():
@@ -250,18 +251,18 @@ class ExecutionEngine(Observable):
 
     @Observable.observed
     def set_execution_mode(self, execution_mode, notify=True):
-        """The mode follows from the commands: refused with ``CommandNotSupported``."""
+        """Raise ``CommandNotSupported``: the mode follows from the commands."""
         raise CommandNotSupported("ExecutionEngine.set_execution_mode")
 
     # ---- status
 
     def finished_or_stopped(self):
-        """Whether the machine has ended or was told to."""
+        """True if no machine is running, or the running one is stopping."""
         return self._mode() in (StateMachineExecutionStatus.FINISHED, StateMachineExecutionStatus.STOPPED)
 
     @property
     def state_machine_running(self):
-        """Whether the machine runs (held or not)."""
+        """True if the machine is running or held, and not stopping."""
         return not self.finished_or_stopped()
 
     def _mode(self):

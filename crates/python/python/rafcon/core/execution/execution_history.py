@@ -1,4 +1,4 @@
-"""What has run, as scripts see it."""
+"""History of the run for scripts."""
 
 from rafcon import _objects
 from rafcon._bridge import native
@@ -8,7 +8,7 @@ from rafcon.core.execution.execution_history_items import CallType
 
 
 class HistoryItem:
-    """A state that has run: ``state_reference``, its ``path``, and the ``outcome`` it was left by."""
+    """State that has run: ``state_reference``, its ``path``, and the ``outcome`` it left by."""
 
     def __init__(self, state):
         self.state_reference = state
@@ -17,19 +17,20 @@ class HistoryItem:
 
 
 class ExecutionHistory:
-    """The states that were entered and left in the run, oldest first: ``CallItem`` and ``ReturnItem`` objects.
+    """States entered and left in the run, oldest first: ``CallItem`` and ``ReturnItem`` objects.
 
-    A container that stands in another has two items each time, one as a state of that and one for the states inside.
+    A container inside another one has two items each time: one as a state of the outer container,
+    and one for the states inside.
 
-    It reaches back over about 20,000 events, as far as memory keeps them; all of them are in the journal of the run.
-    Each question to it is answered anew.
+    The history covers the last 20,000 events or so, which are kept in memory. The journal of the
+    run has all events. Each access reads the events again.
     """
 
     def __init__(self, state):
         self._state = state
 
     def get_last_history_item(self):
-        """The :class:`HistoryItem` of the state that ran before in the same container, or None."""
+        """:class:`HistoryItem` of the preceding state in the container of this one, or None."""
         before = native.last_left(self._state._place)
         return HistoryItem(_objects.state(before)) if before >= 0 else None
 
@@ -52,7 +53,7 @@ class ExecutionHistory:
         return self._items()[index]
 
     def pop_last_item(self):
-        """What has happened stays: refused."""
+        """Raise ``CommandNotSupported``: the history cannot be changed."""
         raise CommandNotSupported("ExecutionHistory.pop_last_item")
 
 

@@ -1,4 +1,4 @@
-"""Kinds of history entries."""
+"""Kinds of history items."""
 
 import json
 from enum import Enum
@@ -9,7 +9,7 @@ CallType = Enum("METHOD_NAME", "EXECUTE CONTAINER", module=__name__)
 
 
 class HistoryItem:
-    """Something that happened to a state."""
+    """Event of a state."""
 
     def __init__(self, sequence, timestamp, path, data, backward, call_type=CallType.EXECUTE):
         #: The number of the event in the journal of the run.
@@ -26,12 +26,12 @@ class HistoryItem:
 
     @property
     def history_item_id(self):
-        """Unique in the run (``str``)."""
+        """Id (``str``), unique in the run."""
         return f"{self.sequence}.{self.call_type.name}"
 
     @property
     def state_reference(self):
-        """The state; None if it is not there any more."""
+        """The state; None if it was removed."""
         return _objects.machine().get_state_by_path(self.path, as_check=True)
 
     @property
@@ -41,7 +41,7 @@ class HistoryItem:
 
     @property
     def input_output_data(self):
-        """Name of the port to value, as people see it: JSON. Values that are not kept are missing."""
+        """Port name to value, as JSON for display. Values that are not kept are missing."""
         return json.loads(self._data)
 
     def __repr__(self):
@@ -54,7 +54,7 @@ class HistoryItem:
         return self.call_type.name
 
     def to_dict(self, pickled=True):
-        """What the item says, name to value; ``pickled`` means nothing: values are as people see them."""
+        """Content of the item, name to value; ``pickled`` has no effect: values are readable."""
         return {
             "path": self.path,
             "state_type": self.state_type,
@@ -69,26 +69,26 @@ class HistoryItem:
 
 
 class StateMachineStartItem(HistoryItem):
-    """A state machine was started. No history here has one: the journal of the run says when and how it began."""
+    """Start of a state machine. No history has one: the journal of the run records the start."""
 
 
 class ConcurrencyItem(HistoryItem):
-    """A concurrency state has run its branches. No history here has one: all branches stand in the one list."""
+    """Branches of a concurrency state. No history has one: one list has all branches."""
 
 
 class ScopedDataItem(HistoryItem):
-    """A state was entered or left."""
+    """Entry into a state, or exit from it."""
 
 
 class CallItem(ScopedDataItem):
-    """A state was entered."""
+    """Entry into a state."""
 
     #: It has no outcome yet.
     outcome = None
 
 
 class ReturnItem(ScopedDataItem):
-    """A state was left."""
+    """Exit from a state."""
 
     def __init__(self, sequence, timestamp, path, outcome, data, backward, call_type=CallType.EXECUTE):
         ScopedDataItem.__init__(self, sequence, timestamp, path, data, backward, call_type)
@@ -96,14 +96,14 @@ class ReturnItem(ScopedDataItem):
 
     @property
     def outcome(self):
-        """The :class:`~rafcon.core.state_elements.logical_port.Outcome` that it was left by."""
+        """:class:`~rafcon.core.state_elements.logical_port.Outcome` by which the state was left."""
         from rafcon.core.state_elements.logical_port import Outcome
 
         return Outcome(*self._outcome)
 
 
 def items(told, call_types):
-    """The items of an event as the compiled module tells it, one for each call type, the outer one first."""
+    """Items of an event from the compiled module, one for each call type, the outer one first."""
     sequence, timestamp, path, outcome, data, backward = told
     if outcome is None:
         return [CallItem(sequence, timestamp, path, data, backward, kind) for kind in call_types]

@@ -1,4 +1,4 @@
-"""What the engine does."""
+"""Status of the engine."""
 
 import threading
 from enum import Enum
@@ -12,7 +12,7 @@ StateMachineExecutionStatus = Enum(
 
 
 class ExecutionStatus:
-    """What the engine does at the moment when ``execution_mode`` is read."""
+    """Status of the engine, read anew with each access to ``execution_mode``."""
 
     def __init__(self, read):
         self._read = read
@@ -21,5 +21,5 @@ class ExecutionStatus:
 
     @property
     def execution_mode(self):
-        """A ``StateMachineExecutionStatus``."""
+        """Current mode, a ``StateMachineExecutionStatus``."""
         return self._read()
