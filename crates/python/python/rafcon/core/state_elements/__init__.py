@@ -1,4 +1,4 @@
-"""What a state consists of: outcomes, data ports, transitions, data flows, scoped variables."""
+"""Elements of a state: outcomes, data ports, transitions, data flows, scoped variables."""
 
 from rafcon._lazy import submodules
 

@@ -1,11 +1,11 @@
-"""Data flows: which port gets its value from which."""
+"""Data flows, which carry values from port to port."""
 
 from rafcon.core.state_elements.state_element import StateElement, field
 from rafcon.utils.type_helpers import of_type
 
 
 class DataFlow(StateElement):
-    """Carries a value from a port (or scoped variable) to another in the same container."""
+    """Flow of values between two ports (or scoped variables) of one container and its states."""
 
     _fields = ("data_flow_id", "from_state", "from_key", "to_state", "to_key")
     _group = "data_flows"
@@ -53,13 +53,13 @@ class DataFlow(StateElement):
         self.modify_target(self.to_state, to_key)
 
     def modify_origin(self, from_state, from_key):
-        """Lets the flow begin at a port (or scoped variable) of a state."""
+        """Set the port (or scoped variable) of a state at which the flow begins."""
         of_type(from_state, str, "from_state")
         of_type(from_key, int, "from_key")
         self._set("origin", {"from_state": from_state, "from_key": from_key}, from_state, from_key)
 
     def modify_target(self, to_state, to_key):
-        """Lets the flow end at a port (or scoped variable) of a state."""
+        """Set the port (or scoped variable) of a state at which the flow ends."""
         of_type(to_state, str, "to_state")
         of_type(to_key, int, "to_key")
         self._set("target", {"to_state": to_state, "to_key": to_key}, to_state, to_key)

@@ -9,7 +9,7 @@ logger = get_logger(__name__)
 
 
 class DataPort(StateElement):
-    """A named, typed port through which data enters or leaves a state."""
+    """Named and typed port through which data enters or leaves a state."""
 
     _fields = ("data_port_id", "name", "data_type", "default_value")
     _verb = "port"
@@ -32,7 +32,7 @@ class DataPort(StateElement):
 
     @property
     def name(self):
-        """The name (``str``): the key in ``inputs`` or ``outputs``."""
+        """Name (``str``), which is the key in ``inputs`` or ``outputs``."""
         return self._get("name")
 
     @name.setter
@@ -41,7 +41,7 @@ class DataPort(StateElement):
 
     @property
     def data_type(self):
-        """The declared type; where it cannot be imported, its name (``str``)."""
+        """Declared type, or its name (``str``) if it cannot be imported."""
         return self._get("data_type")
 
     @data_type.setter
@@ -50,9 +50,9 @@ class DataPort(StateElement):
 
     @property
     def default_value(self):
-        """The value that is there if no data flow brings one; text is converted to the type.
+        """Value that is used if no data flow provides one. Text is converted to the type.
 
-        One that is assigned to a port of a library state is that state's own value.
+        Assigning it at a port of a library state sets a value of that state, not of the library.
         """
         own = getattr(self._parent, "_own_default", None)
         is_own, default = (False, None) if own is None else own(self)
@@ -68,10 +68,7 @@ class DataPort(StateElement):
             set_default(self, default)
 
     def change_data_type(self, data_type, default_value=None):
-        """Gives the port another type and another default; without one it keeps its own, converted to the type.
-
-        A default that cannot be converted is dropped, with a warning in the log.
-        """
+        """Set the type and the default; without a default, convert the present one to the type."""
         data_type = convert_string_to_type(data_type)
         if default_value is None:
             default = _converted(self.default_value, data_type)
@@ -89,7 +86,7 @@ _CONVERTED = {int: (float, str), float: (int, str), bool: (str,), list: (tuple,)
 
 
 def _converted(default, data_type):
-    """The default of a port that gets another type; None if it cannot be of it."""
+    """Convert a port's default to a new type; None if that is not possible."""
     if default is None or isinstance(default, data_type):
         return default
     try:
@@ -104,12 +101,12 @@ def _converted(default, data_type):
 
 
 class InputDataPort(DataPort):
-    """A port through which data enters a state."""
+    """Port through which data enters a state."""
 
     _group = "inputs"
 
 
 class OutputDataPort(DataPort):
-    """A port through which data leaves a state."""
+    """Port through which data leaves a state."""
 
     _group = "outputs"

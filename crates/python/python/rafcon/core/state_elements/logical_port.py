@@ -1,22 +1,22 @@
-"""Where the control flow enters and leaves a state: income and outcomes."""
+"""Logical ports, at which the control flow enters and leaves a state: income and outcomes."""
 
 from rafcon.core.state_elements.state_element import StateElement, field
 from rafcon.utils.type_helpers import named
 
 
 class LogicalPort(StateElement):
-    """A point of a state to which a transition connects."""
+    """Point of a state to which transitions connect."""
 
 
 class Income(LogicalPort):
-    """Where a state is entered; every state has one."""
+    """Entry point of a state; every state has one."""
 
     def __str__(self):
         return "Income"
 
 
 class Outcome(LogicalPort):
-    """A way to leave a state. ``-1`` is *aborted*, ``-2`` is *preempted*, the others are the user's."""
+    """Exit of a state. ``-1`` is *aborted*, ``-2`` is *preempted*, the others are the user's."""
 
     _fields = ("outcome_id", "name")
     _group = "outcomes"

@@ -1,4 +1,4 @@
-"""Data that belongs to a container: scoped variables and the values in its scope."""
+"""Data of a container: scoped variables and current values."""
 
 import time
 
@@ -7,7 +7,7 @@ from rafcon.core.state_elements.state_element import StateElement, field
 
 
 class ScopedVariable(DataPort):
-    """A variable of a container, read and written by data flows."""
+    """Variable of a container, read and written by data flows."""
 
     _group = "scoped_variables"
 
@@ -20,12 +20,12 @@ class ScopedVariable(DataPort):
 
 
 def generate_time_stamp():
-    """The time (us since 1970)."""
+    """Current time (µs since 1970)."""
     return int(time.time() * 1_000_000)
 
 
 class ScopedData(StateElement):
-    """The value that a port or scoped variable has at this moment."""
+    """Present value of a port or scoped variable."""
 
     _fields = ("name", "value", "value_type", "from_state", "data_port_type")
 

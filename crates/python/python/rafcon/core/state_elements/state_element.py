@@ -1,11 +1,12 @@
-"""What all elements of a state have in common."""
+"""Base class of all elements of a state."""
 
 
 class StateElement:
-    """A part of a state, with an id that is unique in it, and the state as ``parent``.
+    """Element of a state, with an id that is unique in the state, and the state as ``parent``.
 
-    An element of a state shows what the state has now, and what is assigned to it changes the state. One without a
-    parent is a value. Elements are equal if kind and content are the same, whatever their parent is.
+    An element of a state reads its content from the state, and assignments change the state. An
+    element without a parent holds its own content. Elements are equal if their kind and content are
+    equal, whatever their parents are.
     """
 
     _fields = ()
@@ -20,7 +21,7 @@ class StateElement:
 
     @classmethod
     def _of(cls, parent, key):
-        """The element of a state that has this id."""
+        """Create the element with this id of a state."""
         element = cls.__new__(cls)
         element._parent = parent
         element._values = (key,)
@@ -29,22 +30,22 @@ class StateElement:
 
     @staticmethod
     def _read(fact):
-        """The fields after the id, from what the state says about the element."""
+        """Fields after the id, from the state's facts about the element."""
         return fact
 
     @property
     def parent(self):
-        """The state that this is a part of, or None."""
+        """State that contains the element, or None."""
         return self._parent
 
     @property
     def core_element_id(self):
-        """The id among the elements of this kind."""
+        """Id among the elements of this kind."""
         return self.state_element_id
 
     @property
     def state_element_id(self):
-        """The id among the elements of this kind."""
+        """Id among the elements of this kind."""
         return self._values[0] if self._fields else None
 
     def _content(self):
@@ -60,23 +61,23 @@ class StateElement:
         return self._content()[self._fields.index(field)]
 
     def _set(self, change, values, *arguments):
-        """Changes the state that this is a part of, or the value itself; ``values`` is field to new content."""
+        """Change the element in its state, or its own content; ``values`` is field to content."""
         if self._parent is not None:
             self._parent._change(f"{self._verb}.{change}", *self._address(), *arguments)
         else:
             self._values = tuple(values.get(field, old) for field, old in zip(self._fields, self._values))
 
     def _address(self):
-        """How changes name the element in its state."""
+        """Arguments that identify the element in changes of its state."""
         return (self._values[0],)
 
     def _detach(self):
-        """The element has left its state; what it was last stays readable."""
+        """Detach the element from its state; its last content stays readable."""
         self._content()
         self._parent = None
 
     def to_dict(self):
-        """The content as a dictionary: name of the field to value."""
+        """Content as a dictionary: field name to value."""
         return dict(zip(self._fields, self._content()))
 
     def __eq__(self, other):
@@ -92,7 +93,7 @@ class StateElement:
 
 
 class field(property):  # noqa: N801, it is used like `property`
-    """A field of an element that can be read."""
+    """Read-only field of an element."""
 
     def __init__(self, doc):
         property.__init__(self, lambda element: element._get(self._name), doc=doc)

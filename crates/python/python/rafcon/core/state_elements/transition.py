@@ -1,14 +1,14 @@
-"""Transitions: which state follows on which outcome."""
+"""Transitions, which select the next state for an outcome."""
 
 from rafcon.core.state_elements.state_element import StateElement, field
 from rafcon.utils.type_helpers import of_type
 
 
 class Transition(StateElement):
-    """Leads from an outcome of a state to the next state, or to an outcome of the container.
+    """Connection from an outcome of a state to the next state, or to an outcome of the container.
 
-    The start transition has neither ``from_state`` nor ``from_outcome``; only a transition to the container has a
-    ``to_outcome``.
+    The start transition has neither ``from_state`` nor ``from_outcome``. Only a transition to the
+    container has a ``to_outcome``.
     """
 
     _fields = ("transition_id", "from_state", "from_outcome", "to_state", "to_outcome")
@@ -22,7 +22,7 @@ class Transition(StateElement):
 
     @property
     def from_state(self):
-        """The id of the state that it leaves; None for the start transition."""
+        """Id of the state that it leaves; None for the start transition."""
         return self._get("from_state")
 
     @from_state.setter
@@ -31,7 +31,7 @@ class Transition(StateElement):
 
     @property
     def from_outcome(self):
-        """The id of the outcome that it leaves by; None for the start transition."""
+        """Id of the outcome from which it leads; None for the start transition."""
         return self._get("from_outcome")
 
     @from_outcome.setter
@@ -40,7 +40,7 @@ class Transition(StateElement):
 
     @property
     def to_state(self):
-        """The id of the state that it leads to."""
+        """Id of the state that it leads to."""
         return self._get("to_state")
 
     @to_state.setter
@@ -49,7 +49,7 @@ class Transition(StateElement):
 
     @property
     def to_outcome(self):
-        """The id of the container's outcome that it leads to, or None."""
+        """Id of the container's outcome that it leads to, or None."""
         return self._get("to_outcome")
 
     @to_outcome.setter
@@ -57,14 +57,14 @@ class Transition(StateElement):
         self.modify_target(self.to_state, to_outcome)
 
     def modify_origin(self, from_state, from_outcome):
-        """Lets the transition begin at an outcome of a state, or (None, None) at the container's income."""
+        """Set the outcome of a state where it begins; (None, None) for the container's income."""
         of_type(from_state, str, "from_state", or_none=True)
         of_type(from_outcome, int, "from_outcome", or_none=True)
         values = {"from_state": from_state, "from_outcome": from_outcome}
         self._set("origin", values, from_state, from_outcome)
 
     def modify_target(self, to_state, to_outcome=None):
-        """Lets the transition lead to a state, or to an outcome of the container."""
+        """Set the state, or the outcome of the container, that it leads to."""
         of_type(to_state, str, "to_state")
         of_type(to_outcome, int, "to_outcome", or_none=True)
         self._set("target", {"to_state": to_state, "to_outcome": to_outcome}, to_state, to_outcome)

@@ -1,4 +1,4 @@
-"""Names of the files of a state machine."""
+"""Storage of state machines in files."""
 
 from rafcon._lazy import submodules
 

@@ -1,4 +1,4 @@
-"""State machines from and to files, and the names of these files."""
+"""Loading and saving of state machines, and the names of their files."""
 
 import json
 import os
@@ -39,10 +39,12 @@ REPLACED_CHARACTERS_FOR_NO_OS_LIMITATION = {
 
 
 def load_state_machine_from_path(base_path, state_machine_id=None):
-    """The :class:`~rafcon.core.state_machine.StateMachine` in a folder; ``ValueError`` if there is none.
+    """Load the :class:`~rafcon.core.state_machine.StateMachine` in a folder.
 
-    Faults of its files, and of the machine itself, are errors in the log, and the rest of the machine is loaded. A
-    missing library is ``LibraryNotFoundException`` if ``RAISE_ERROR_ON_MISSING_LIBRARY_STATES`` is set.
+    Raises ``ValueError`` if there is none. Faults of its files, and of the machine itself, are
+    logged as errors, and the rest of the machine is loaded. If
+    ``RAISE_ERROR_ON_MISSING_LIBRARY_STATES`` is set, a missing library raises
+    ``LibraryNotFoundException``.
     """
     from rafcon.core.singleton import library_manager
     from rafcon.core.state_machine import StateMachine
@@ -66,10 +68,10 @@ def _refuse_missing(state):
 
 
 def save_state_machine_to_path(state_machine, base_path, delete_old_state_machine=False, as_copy=False):
-    """Writes a machine to a folder, in one step that is never half done.
+    """Save a machine to a folder. The save is atomic.
 
-    ``as_copy``: the machine still belongs to the folder where it was. ``delete_old_state_machine``: everything else
-    that is in the folder goes, too.
+    With ``as_copy`` the machine keeps its previous folder. ``delete_old_state_machine`` also
+    deletes everything else in the folder.
     """
     if state_machine._facts is not None:
         raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")
@@ -86,14 +88,14 @@ def save_state_machine_to_path(state_machine, base_path, delete_old_state_machin
 
 
 def _folder(path):
-    """The path as a text; ``TypeError`` for None, which is the path of a machine that was never saved."""
+    """Convert a path to text; ``TypeError`` for None, the path of an unsaved machine."""
     if path is None:
         raise TypeError("a folder to save to is needed, not None; name one, the machine has no folder yet")
     return os.fsdecode(os.fspath(path))
 
 
 def _replace(document, folder, as_copy):
-    """Puts the machine in the place of a whole folder, which comes back if that fails."""
+    """Replace a whole folder by the machine; if that fails, the old folder is restored."""
     aside = tempfile.mkdtemp(prefix=".replaced-", dir=os.path.dirname(folder))
     earlier = os.path.join(aside, "earlier")
     os.rename(folder, earlier)
@@ -114,7 +116,7 @@ def _naming():
 
 
 def get_storage_id_for_state(state):
-    """The name (``str``) of the folder that a state gets when its machine is saved."""
+    """Name (``str``) of the folder that a state gets when its machine is saved."""
     with_name, length = _naming()
     if not with_name:
         return state.state_id
@@ -123,17 +125,17 @@ def get_storage_id_for_state(state):
 
 
 def get_core_data_path(state_path):
-    """The file of a state in its folder."""
+    """Path of a state's core data in its folder."""
     return os.path.join(state_path, FILE_NAME_CORE_DATA)
 
 
 def get_meta_data_path(state_path):
-    """The file with the layout of a state in its folder."""
+    """Path of a state's layout in its folder."""
     return os.path.join(state_path, FILE_NAME_META_DATA)
 
 
 def load_data_file(path_of_file):
-    """What a JSON file of a machine holds, as plain dictionaries; ``ValueError`` if it is not there."""
+    """Content of a machine's JSON file as plain dictionaries; ``ValueError`` if it is missing."""
     if not os.path.isfile(path_of_file):
         raise ValueError(f"there is no file {path_of_file}")
     with open(path_of_file, encoding="utf-8") as file:
@@ -141,12 +143,12 @@ def load_data_file(path_of_file):
 
 
 def clean_path_element(text):
-    """A name with nothing but letters, digits, ``_`` and ``-``."""
+    """Reduce a name to letters, digits, ``_`` and ``-``."""
     return re.sub("[^a-zA-Z0-9_-]", "", re.sub("[ *]", "_", text))
 
 
 def limit_text_max_length(text, max_length, separator="_"):
-    """A text of at most so many characters: its beginning and its end."""
+    """Shorten a text to ``max_length`` characters: its beginning and its end."""
     if len(text) <= max_length:
         return text
     half = (max_length - 1) / 2
