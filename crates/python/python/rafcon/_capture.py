@@ -23,7 +23,7 @@ pending = {}
 
 
 def key_of(stream):
-    """The key in ``pending`` of the calling thread."""
+    """Key in ``pending`` of the calling thread."""
     return threading.get_ident(), stream
 
 
@@ -44,7 +44,7 @@ class Writer(io.TextIOBase):
 
     @property
     def encoding(self):
-        """Always UTF-8."""
+        """Encoding of written text, always UTF-8."""
         return "utf-8"
 
     @property

@@ -35,7 +35,7 @@ class Running:
         return _objects.state(above) if above >= 0 else _objects.machine()
 
     def machine(self, _state):
-        """The state machine."""
+        """Running state machine."""
         return _objects.machine()
 
     def child_ids(self, state):
@@ -43,15 +43,15 @@ class Running:
         return list(state._facts["children"])
 
     def has_child(self, state, state_id):
-        """True if a state of this id is inside."""
+        """True if a state with this id is inside."""
         return state_id in state._facts["children"]
 
     def has_line(self, state, group, key):
-        """True if a transition or data flow of this id is inside."""
+        """True if a transition or data flow with this id is inside."""
         return key in state._facts[group]
 
     def child(self, state, state_id):
-        """The state of this id inside; ``KeyError`` if there is none."""
+        """State with this id inside; ``KeyError`` if there is none."""
         return _objects.state(state._facts["children"][state_id])
 
     def change(self, state, changes):
@@ -160,7 +160,7 @@ class Built:
         return self.owner if state._above is None else state._above
 
     def machine(self, _state):
-        """The state machine, or None."""
+        """State machine, or None."""
         return self.owner
 
     def child_ids(self, state):
@@ -168,15 +168,15 @@ class Built:
         return state._facts["children"]
 
     def has_child(self, state, state_id):
-        """True if a state of this id is inside."""
+        """True if a state with this id is inside."""
         return isinstance(state_id, str) and self.document.has_child(state._facts["path"], state_id)
 
     def has_line(self, state, group, key):
-        """True if a transition or data flow of this id is inside."""
+        """True if a transition or data flow with this id is inside."""
         return self.document.has_line(state._facts["path"], group, key)
 
     def child(self, state, state_id):
-        """The state of this id inside; ``KeyError`` if there is none."""
+        """State with this id inside; ``KeyError`` if there is none."""
         known = state._inside.get(state_id)
         if known is None:
             if not self.has_child(state, state_id):

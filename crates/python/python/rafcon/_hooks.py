@@ -39,12 +39,12 @@ class Hooks:
         self.plugins = {}
 
     def load(self):
-        """Imports the plugins and calls ``pre_init``."""
+        """Import the plugins and call ``pre_init``."""
         self.import_plugins()
         self.call_guarded("pre_init")
 
     def import_plugins(self):
-        """Imports the plugins."""
+        """Import the plugins."""
         self.plugins.clear()
         for folder in _folders():
             package = _import(folder)
@@ -54,7 +54,7 @@ class Hooks:
         self.active = any(hasattr(hooks, name) for hooks in self._modules() for name in ("pre_script", "post_script"))
 
     def begin(self, machine, config, start_state_path):
-        """Calls ``post_init`` with the arguments of the run: the machine's folder and what it begins with."""
+        """Call ``post_init`` with the arguments of the run: machine, configuration, start state."""
         if self.plugins:
             self.call_guarded("post_init", _arguments(machine, config, start_state_path))
 
@@ -76,7 +76,7 @@ class Hooks:
         self.call_guarded("post_destruction")
 
     def call(self, name, *arguments, **named):
-        """Calls a hook of every plugin that has it."""
+        """Call a hook of every plugin that has it."""
         for module in self._modules():
             function = getattr(module, name, None)
             if function is not None:

@@ -16,7 +16,7 @@ def state_name(cls):
 
 
 def state_number():
-    """The next number for the name of a state."""
+    """Next number for the name of a state."""
     return next(_names)
 
 
@@ -29,15 +29,15 @@ def state_id(taken=()):
 
 
 def machine_id():
-    """The next id of a state machine."""
+    """Next id of a state machine."""
     return next(_machines)
 
 
 def transition_id(is_taken):
-    """The next id of a transition that is not taken in its container."""
+    """Next id of a transition that is not taken in its container."""
     return next(found for found in _transitions if not is_taken(found))
 
 
 def data_flow_id(is_taken):
-    """The next id of a data flow that is not taken in its container."""
+    """Next id of a data flow that is not taken in its container."""
     return next(found for found in _data_flows if not is_taken(found))

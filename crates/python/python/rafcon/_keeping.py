@@ -26,7 +26,7 @@ def pickle(value):
 
 
 def unpickle(data):
-    """The value of a pickle."""
+    """Value of a pickle."""
     from pickle import loads
 
     return loads(data)

@@ -57,7 +57,7 @@ class BreakpointManager:
         self._change(toggle)
 
     def clear_all(self):
-        """Removes all breakpoints."""
+        """Remove all breakpoints."""
         self._change(dict.clear)
 
     def enable_all(self):

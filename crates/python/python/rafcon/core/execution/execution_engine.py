@@ -97,7 +97,7 @@ class ExecutionEngine(Observable):
         return False
 
     def _begin(self, state_machine_id, wanted, inputs=None, journal=None, is_led=False):
-        """Start a machine of this program with launch fields ``wanted``; False if one runs."""
+        """Start a machine of this program with fields for its launch; False if one is running."""
         if _objects.is_host() or self._is_running():
             return False
         manager = self.state_machine_manager

@@ -31,12 +31,12 @@ class HistoryItem:
 
     @property
     def state_reference(self):
-        """The state; None if it was removed."""
+        """State of the event; None if it was removed."""
         return _objects.machine().get_state_by_path(self.path, as_check=True)
 
     @property
     def state_type(self):
-        """The name of the state's class."""
+        """Name of the state's class."""
         return type(self.state_reference).__name__
 
     @property
@@ -50,7 +50,7 @@ class HistoryItem:
 
     @property
     def call_type_str(self):
-        """The name of the call type."""
+        """Name of the call type."""
         return self.call_type.name
 
     def to_dict(self, pickled=True):

@@ -18,7 +18,7 @@ class DataFlow(StateElement):
 
     @property
     def from_state(self):
-        """The id of the state where it begins."""
+        """Id of the state where it begins."""
         return self._get("from_state")
 
     @from_state.setter
@@ -27,7 +27,7 @@ class DataFlow(StateElement):
 
     @property
     def from_key(self):
-        """The id of the port where it begins."""
+        """Id of the port where it begins."""
         return self._get("from_key")
 
     @from_key.setter
@@ -36,7 +36,7 @@ class DataFlow(StateElement):
 
     @property
     def to_state(self):
-        """The id of the state where it ends."""
+        """Id of the state where it ends."""
         return self._get("to_state")
 
     @to_state.setter
@@ -45,7 +45,7 @@ class DataFlow(StateElement):
 
     @property
     def to_key(self):
-        """The id of the port where it ends."""
+        """Id of the port where it ends."""
         return self._get("to_key")
 
     @to_key.setter

@@ -37,7 +37,7 @@ class Outcome(LogicalPort):
 
     @property
     def name(self):
-        """The name (``str``), unique in the state."""
+        """Name (``str``), unique in the state."""
         return self._get("name")
 
     @name.setter

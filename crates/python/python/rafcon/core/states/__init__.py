@@ -1,4 +1,4 @@
-"""The kinds of states; one module for each, as state machine files name them."""
+"""Kinds of states, one module each, named as in state machine files."""
 
 from rafcon._lazy import submodules
 

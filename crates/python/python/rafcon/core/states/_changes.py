@@ -1,4 +1,7 @@
-"""Changes of a state: its name, outcomes, ports. They hold in the machine that runs from its next step on."""
+"""Changes of a state: its name, outcomes and ports.
+
+In the running machine they take effect at its next step.
+"""
 
 from rafcon.core.decorators import lock_state_machine
 from rafcon.core.state_elements.data_port import InputDataPort, OutputDataPort
@@ -10,7 +13,7 @@ logger = get_logger(__name__)
 
 
 class StateChanges:
-    """The part of a state that changes it."""
+    """Base class of states with the methods that change a state."""
 
     def _rename(self, name):
         if not isinstance(name, str):
@@ -23,7 +26,7 @@ class StateChanges:
         self._change("state.description", description or None)
 
     def change_state_id(self, state_id=None):
-        """Gives the state another id (a new one, if none is given); its connections follow."""
+        """Change the id of the state (to a new one by default); its connections follow."""
         from rafcon import _ids
 
         above = self.parent
@@ -34,7 +37,7 @@ class StateChanges:
 
     @lock_state_machine
     def add_outcome(self, name, outcome_id=None):
-        """Adds an outcome and returns its id; None, with an error in the log, if the id is taken."""
+        """Add an outcome and return its id; if the id is taken, log an error and return None."""
         if outcome_id is None:
             outcome_id = self._facts["free_outcome_id"]
         elif outcome_id in self._facts["outcomes"]:
@@ -44,31 +47,31 @@ class StateChanges:
         return outcome_id
 
     def remove_outcome(self, outcome_id, force=False, destroy=True):
-        """Removes an outcome with its transitions, and returns it."""
+        """Remove an outcome with its transitions, and return it."""
         return self._remove_part(self.outcomes, outcome_id, "outcome.remove", outcome_id)
 
     def remove_income(self, force=False, destroy=True):
-        """Refused with ``AttributeError``: every state has an income."""
+        """Raise ``AttributeError``: every state has an income."""
         raise AttributeError(f"the income of {self} cannot be removed; every state has one")
 
     def add_input_data_port(self, name, data_type=None, default_value=None, data_port_id=None):
-        """Adds an input and returns its id."""
+        """Add an input and return its id."""
         return self._add_port("inputs", name, data_type, default_value, data_port_id)
 
     def remove_input_data_port(self, data_port_id, force=False, destroy=True):
-        """Removes an input with its data flows, and returns it."""
+        """Remove an input with its data flows, and return it."""
         return self._remove_part(self.input_data_ports, data_port_id, "port.remove", "inputs", data_port_id)
 
     def add_output_data_port(self, name, data_type, default_value=None, data_port_id=None):
-        """Adds an output and returns its id."""
+        """Add an output and return its id."""
         return self._add_port("outputs", name, data_type, default_value, data_port_id)
 
     def remove_output_data_port(self, data_port_id, force=False, destroy=True):
-        """Removes an output with its data flows, and returns it."""
+        """Remove an output with its data flows, and return it."""
         return self._remove_part(self.output_data_ports, data_port_id, "port.remove", "outputs", data_port_id)
 
     def remove(self, state_element, recursive=True, force=False, destroy=True):
-        """Removes an element of the state, whatever it is."""
+        """Remove an element of any kind from the state."""
         if isinstance(state_element, Income):
             return self.remove_income(force)
         for cls, remove in self._removals():

@@ -1,4 +1,4 @@
-"""How a state comes to be: bound to a place of the machine that runs, or built by itself."""
+"""Construction of state objects: bound to a state of the running machine, or standalone."""
 
 from rafcon import _ids, _signals
 from rafcon._bridge import native
@@ -10,17 +10,18 @@ from rafcon.utils.type_helpers import convert_string_to_type, port_default, type
 
 
 class StateConstruction:
-    """The part of a state that knows where it lives.
+    """Base class of states that holds the location of a state.
 
-    ``_home`` is the machine that it belongs to, ``_above`` the state around it and ``_key`` its id there (both for
-    states that are being built), ``_place`` the number of its place (for those that run).
+    ``_home`` is the home of the state's machine. States that are being built have the state around
+    them in ``_above`` and their id there in ``_key``. States of the running machine have an index,
+    ``_place``.
     """
 
     _kind = None
     _place = -1
 
     def _bind(self, place, signals):
-        """The state stands at a place of the machine that runs."""
+        """Bind the object to the state at an index of the running machine."""
         self._init_run(signals)
         self._place = place
         self._home = RUNNING
@@ -38,7 +39,7 @@ class StateConstruction:
             self.persistent_variables = {}
 
     def _build(self, name, state_id, parts):
-        """The state stands alone; ``parts`` are inputs, outputs and outcomes as the constructors take them."""
+        """Make the state standalone; ``parts`` are inputs, outputs, outcomes of a constructor."""
         self._begin(_name(type(self), name), state_id)
         inputs, outputs, outcomes = parts
         self._take_outcomes(outcomes)
@@ -53,7 +54,7 @@ class StateConstruction:
         self._change("state.name", name)
 
     def _settle_running(self, place):
-        """The state, which was built by itself, and those in it stand in the machine that runs from now on."""
+        """Move the standalone state, with the states inside, to an index of the running machine."""
         inside = self._inside
         native.settle(place, self)
         places = native.describe(place)["children"]
@@ -62,13 +63,16 @@ class StateConstruction:
                 state._settle_running(places[state_id])
 
     def _retire(self, document):
-        """The state was taken out of the machine that runs, and is built by itself from now on."""
+        """Make the state standalone after its removal from the running machine."""
         self._init_run(_signals.Idle())
         self._place = -1
         self._settle(Built(document, self), None, document.root_id())
 
     def _take_over(self):
-        """The state stands alone from now on, with everything inside; where it stood, a copy stays behind."""
+        """Make the state standalone, with everything inside; leave a copy in its old location.
+
+        Raises ``ValueError`` for a state in the running machine.
+        """
         above = self.parent
         if above is None:
             return
@@ -85,7 +89,7 @@ class StateConstruction:
         self._settle(Built(document, self), None, state_id)
 
     def _settle(self, home, above, key):
-        """From now on the state lives there; so do those inside."""
+        """Move the state, with the states inside, to another home."""
         if not hasattr(self, "_signals"):
             self._init_run(_signals.Idle())
         self._home, self._above, self._key, self._seen = home, above, key, None
@@ -95,19 +99,19 @@ class StateConstruction:
             state._settle(home, self, state_id)
 
     def _line(self):
-        """The states from the topmost one to here."""
+        """States from the topmost one down to this one."""
         above = [] if self._above is None else self._above._line()
         return [*above, self]
 
     def _known_states(self):
-        """This state and those inside that have an object."""
+        """This state and the states inside that have an object."""
         found = [self]
         for state in self._inside.values():
             found += state._known_states()
         return found
 
     def __eq__(self, other):
-        """Whether both are of one class and have the same content: id, name, parts, and everything inside."""
+        """True if class and content are equal: id, name, parts, and everything inside."""
         if self is other:
             return True
         if type(self) is not type(other):
@@ -117,7 +121,7 @@ class StateConstruction:
     __hash__ = object.__hash__
 
     def __copy__(self):
-        """The same once more, with everything inside; it stands alone."""
+        """Standalone copy of the state, with everything inside."""
         document = self._home.copy_of(self)
         copied = type(self).__new__(type(self))
         copied._settle_alone(document, document.root_id())
@@ -171,7 +175,10 @@ def _text(value, what):
 
 
 def by_id(elements, field):
-    """Id to element, from a dictionary or any other collection."""
+    """Id to element, from a dictionary or any other collection.
+
+    Raises ``AttributeError`` if a key of the dictionary is not the id of its element.
+    """
     if not isinstance(elements, dict):
         return {getattr(element, field): element for element in elements}
     for key, element in elements.items():

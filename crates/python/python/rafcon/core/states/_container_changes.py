@@ -1,4 +1,4 @@
-"""Changes of what stands inside a container: states, transitions, data flows, scoped variables."""
+"""Changes inside a container: states, transitions, data flows, scoped variables."""
 
 from rafcon import _ids
 from rafcon.core.decorators import lock_state_machine
@@ -14,15 +14,16 @@ logger = get_logger(__name__)
 
 
 class ContainerChanges(StateChanges):
-    """The part of a container that changes its inside."""
+    """Base class of containers with the methods that change what is inside."""
 
     # ---- states
 
     @lock_state_machine
     def add_state(self, state, storage_load=False):
-        """Puts a state in and returns its id, which is a new one if its own is taken here.
+        """Add a state and return its id, a new one if its own is taken here.
 
-        A state that stands elsewhere moves; where it stood, a copy stays behind. In a barrier, outcomes from 0 on get a transition to the decider.
+        A state that belongs elsewhere moves, and leaves a copy there. In a barrier, the state's
+        outcomes from 0 on get a transition to the decider.
         """
         self._check_addable(state)
         self._give_free_id(state)
@@ -43,7 +44,7 @@ class ContainerChanges(StateChanges):
             state.change_state_id(_ids.state_id({self.state_id, *self._home.child_ids(self)}))
 
     def remove_state(self, state_id, recursive=True, force=False, destroy=True):
-        """Takes a state out with everything inside it and its connections; returns it, to be added elsewhere or dropped."""
+        """Remove a state, with everything inside and its connections; return it as standalone."""
         state = self._child(state_id)
         self._home.take(self, state)
         return state
@@ -55,7 +56,7 @@ class ContainerChanges(StateChanges):
         return state
 
     def set_start_state(self, state):
-        """Lets the container begin at a state (or the state of an id); None: nowhere."""
+        """Set the state (or id of a state) at which the container begins; None for no state."""
         self.start_state_id = getattr(state, "state_id", state)
 
     @lock_state_machine
@@ -71,8 +72,9 @@ class ContainerChanges(StateChanges):
 
     @lock_state_machine
     def group_states(self, state_ids, scoped_variables=None):
-        """Puts states (and scoped variables) into a new hierarchy, which is returned; what crosses its border gets
-        outcomes and ports there.
+        """Move states (and scoped variables) into a new hierarchy and return it.
+
+        Connections that cross its border get outcomes and ports there.
         """
         states = [self._child(state_id) for state_id in _list(state_ids)]
         group_id = _ids.state_id({self.state_id, *self._home.child_ids(self)})
@@ -82,7 +84,7 @@ class ContainerChanges(StateChanges):
 
     @lock_state_machine
     def ungroup_state(self, state_id):
-        """Puts the states of a container in its place; the container is returned."""
+        """Replace a container by the states inside it; return the container."""
         group = self._child(state_id)
         taken = {self.state_id, *self._home.child_ids(self)}
         ids = {}
@@ -94,7 +96,7 @@ class ContainerChanges(StateChanges):
 
     @lock_state_machine
     def substitute_state(self, state_id, state):
-        """Puts a state in the place of another and returns it; connections follow where names agree."""
+        """Replace a state by another and return the new one; connections follow by name."""
         old = self._child(state_id)
         self._check_addable(state)
         self._give_free_id(state, free=old.state_id)
@@ -102,9 +104,10 @@ class ContainerChanges(StateChanges):
         return state
 
     def change_state_type(self, state, new_state_class):
-        """Makes a state one of another class and returns the new object for it; name, id, outcomes and ports stay.
+        """Change the class of a state and return the new object for it.
 
-        From container to container the states inside stay, too, but not their transitions.
+        Name, id, outcomes and ports stay. From container to container the states inside stay, too,
+        but not their transitions.
         """
         state._change("state.kind", new_state_class._kind)
         return self._home.replaced(self, state)
@@ -113,10 +116,10 @@ class ContainerChanges(StateChanges):
 
     @lock_state_machine
     def add_transition(self, from_state_id, from_outcome, to_state_id, to_outcome, transition_id=None):
-        """Adds a transition and returns its id.
+        """Add a transition and return its id.
 
-        ``from_state_id`` and ``from_outcome`` None: it is the start. ``to_outcome`` is an outcome of this container, or
-        None if it leads to a state inside.
+        A transition is the start if ``from_state_id`` and ``from_outcome`` are None. ``to_outcome``
+        is an outcome of this container, or None for a transition to a state inside.
         """
         of_type(from_outcome, int, "from_outcome", or_none=True)
         of_type(to_outcome, int, "to_outcome", or_none=True)
@@ -127,14 +130,14 @@ class ContainerChanges(StateChanges):
         return transition_id
 
     def remove_transition(self, transition_id, destroy=True):
-        """Removes a transition and returns it."""
+        """Remove a transition and return it."""
         return self._remove_part(self.transitions, transition_id, "transition.remove", transition_id)
 
     # ---- data flows
 
     @lock_state_machine
     def add_data_flow(self, from_state_id, from_data_port_id, to_state_id, to_data_port_id, data_flow_id=None):
-        """Adds a data flow between two ports (or scoped variables) and returns its id."""
+        """Add a data flow between two ports (or scoped variables) and return its id."""
         of_type(from_data_port_id, int, "from_data_port_id")
         of_type(to_data_port_id, int, "to_data_port_id")
         from_state_id, to_state_id = _id(from_state_id), _id(to_state_id)
@@ -144,17 +147,17 @@ class ContainerChanges(StateChanges):
         return data_flow_id
 
     def remove_data_flow(self, data_flow_id, destroy=True):
-        """Removes a data flow and returns it."""
+        """Remove a data flow and return it."""
         return self._remove_part(self.data_flows, data_flow_id, "flow.remove", data_flow_id)
 
     # ---- scoped variables
 
     def add_scoped_variable(self, name, data_type=None, default_value=None, scoped_variable_id=None):
-        """Adds a scoped variable and returns its id."""
+        """Add a scoped variable and return its id."""
         return self._add_port("scoped_variables", name, data_type, default_value, scoped_variable_id)
 
     def remove_scoped_variable(self, scoped_variable_id, destroy=True):
-        """Removes a scoped variable with its data flows, and returns it."""
+        """Remove a scoped variable with its data flows, and return it."""
         arguments = ("port.remove", "scoped_variables", scoped_variable_id)
         return self._remove_part(self.scoped_variables, scoped_variable_id, *arguments)
 
@@ -169,7 +172,7 @@ class ContainerChanges(StateChanges):
 
 
 def _id(state_id):
-    """The id of a state, which is a text; a number stands for its digits, as where a state gets its id."""
+    """Id of a state as text; an integer is converted."""
     return str(state_id) if isinstance(state_id, int) else state_id
 
 

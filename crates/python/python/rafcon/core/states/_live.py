@@ -1,10 +1,10 @@
-"""The collections of a state: dictionaries that always have the present content."""
+"""Live dictionaries for the collections of a state."""
 
 
 class LiveDict(dict):
-    """A dictionary whose content is read anew at each use. Loops go over what was there at their beginning.
+    """Dictionary that reads its content again on each access. Loops use the content of their start.
 
-    ``_read`` returns the content, the same object as long as nothing has changed.
+    ``_read`` returns the content. It returns an identical object until something changes.
     """
 
     _seen = None
@@ -15,7 +15,7 @@ class LiveDict(dict):
         raise NotImplementedError
 
     def _fill(self, content):
-        """The entries for new content."""
+        """Return the entries for new content."""
         return content
 
     def _now(self):
@@ -63,13 +63,13 @@ class LiveDict(dict):
         return (dict, (self.copy(),))
 
     def copy(self):
-        """A plain dictionary of the present content."""
+        """Plain dictionary of the present content."""
         entries = {}
         dict.update(entries, dict.items(self._now()))
         return entries
 
     def get(self, key, default=None):
-        """The entry of a key, or the default."""
+        """Entry of a key, or the default."""
         return dict.get(self._now(), key, default)
 
     def keys(self):
@@ -104,7 +104,7 @@ class Parts(LiveDict):
         return {key: dict.get(self, key) or self._cls._of(self._state, key) for key in content}
 
     def _adopt(self, key, element):
-        """Binds an element that a user made to that of the state."""
+        """Connect a user's element object to the element of the state."""
         element._parent = self._state
         dict.__setitem__(self, key, element)
         self._seen = None

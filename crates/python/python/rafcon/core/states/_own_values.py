@@ -1,12 +1,12 @@
-"""What a library state uses instead of the defaults of its library, as dictionaries: a change in place changes the state."""
+"""Live dictionaries of a library state's own values; a change in place changes the state."""
 
 from rafcon.core.states._live import LiveDict
 
 
 class OwnValues(LiveDict):
-    """Port id to a value of the state's own (or whether it counts). ``set_one(port_id, value)`` changes the state.
+    """Port id to the state's own value, or to True if that is used.
 
-    Every port has one, so none can be removed.
+    ``set_one(port_id, value)`` changes the state. Every port has an entry, so none can be removed.
     """
 
     _advice = "every port of a library state has a value; choose with `use_…` whether it counts"
@@ -25,12 +25,12 @@ class OwnValues(LiveDict):
         self._set_one(port_id, value)
 
     def update(self, *values, **named):
-        """Changes several."""
+        """Set several entries."""
         for port_id, value in dict(*values, **named).items():
             self[port_id] = value
 
     def setdefault(self, port_id, default=None):
-        """The value of a port; every port has one."""
+        """Return the entry of a port, which always exists."""
         if port_id not in self:
             self[port_id] = default
         return self[port_id]

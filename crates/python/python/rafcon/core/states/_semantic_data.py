@@ -1,4 +1,4 @@
-"""Semantic data: what the user notes about a state, as nested dictionaries of texts."""
+"""Semantic data: a user's notes about a state, as nested dictionaries of texts."""
 
 import json
 
@@ -6,10 +6,10 @@ from rafcon.utils.vividict import Vividict
 
 
 class SemanticData:
-    """The part of a state that offers its semantic data.
+    """Base class of states with semantic data.
 
-    Changes in place hold until the process ends, and go into the files of a machine that is being built. What is
-    assigned as a whole changes the machine.
+    Changes in place last until the process ends; in a machine that is being built they are also
+    saved. Assigning the whole dictionary changes the machine.
     """
 
     _notes = None
@@ -31,12 +31,12 @@ class SemanticData:
         self._store_notes()
 
     def _store_notes(self):
-        """Brings what was changed in place into the machine."""
+        """Store changes made in place in the machine."""
         if self._notes is not None and self._notes != self._facts["semantic_data"]:
             self._change("state.semantic_data", json.dumps(self._notes) if self._notes else None)
 
     def get_semantic_data(self, path_as_list):
-        """The entry that a list of keys leads to; ``KeyError`` if there is none."""
+        """Entry at a list of keys; ``KeyError`` if there is none."""
         found = self._semantic_data
         for key in path_as_list:
             if key not in found:
@@ -45,12 +45,12 @@ class SemanticData:
         return found
 
     def add_semantic_data(self, path_as_list, value, key):
-        """Puts a value into the dictionary at a path; returns the path of the entry."""
+        """Set a value in the dictionary at a path; return the path of the entry."""
         self.get_semantic_data(path_as_list)[key] = value
         return list(path_as_list) + [key]
 
     def remove_semantic_data(self, path_as_list):
-        """Removes the entry at a path and returns it; ``KeyError`` if there is none."""
+        """Remove the entry at a path and return it; ``KeyError`` if there is none."""
         if not path_as_list:
             raise AttributeError("the path is empty, so it names no entry")
         found = self.get_semantic_data(path_as_list)

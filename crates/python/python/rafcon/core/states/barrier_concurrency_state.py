@@ -1,4 +1,4 @@
-"""Containers that wait for all their states, and the decider that judges them."""
+"""Containers that wait for all their states, and the deciders that choose their outcomes."""
 
 from rafcon import _ids
 from rafcon.core.state_elements.logical_port import Outcome
@@ -10,10 +10,7 @@ UNIQUE_DECIDER_STATE_ID = "unique_decider_state_id"
 
 
 class BarrierConcurrencyState(ConcurrencyState):
-    """A container that runs all its states at the same time, waits for all, and lets its decider choose the outcome.
-
-    A new one has a decider of its own, unless ``decider_state`` is given; further arguments are those of any container.
-    """
+    """Container that runs its states in parallel and waits for all; a decider sets the outcome."""
 
     _kind = "barrier"
 
@@ -28,7 +25,7 @@ class BarrierConcurrencyState(ConcurrencyState):
             self.add_state(state)
 
     def add_state(self, state, storage_load=False):
-        """As in any container; outcomes of the state from 0 on get a transition to the decider."""
+        """Add a state as in any container; its outcomes from 0 on lead to the decider."""
         known = set(self._facts["transitions"])
         state_id = ConcurrencyState.add_state(self, state, storage_load)
         if self._place < 0:
@@ -36,7 +33,7 @@ class BarrierConcurrencyState(ConcurrencyState):
         return state_id
 
     def _renumber(self, transitions):
-        """Gives transitions that came by themselves the ids that they would have if they had been added."""
+        """Give automatic transitions the ids that they would have if they had been added."""
         taken = (set(self._facts["transitions"]) - set(transitions)).__contains__
         removals = [("transition.remove", (key,)) for key in transitions]
         self._home.change(self, removals + [("transition.add", (_ids.transition_id(taken), *ends)) for ends in transitions.values()])
@@ -48,10 +45,10 @@ class BarrierConcurrencyState(ConcurrencyState):
 
 
 class DeciderState(ExecutionState):
-    """Runs last in a barrier; its script sees how the others ended.
+    """State that runs last in a barrier; its script can read the results of the others.
 
-    ``final_outcomes_dict`` is state id to (name, :class:`Outcome`) of every state, ``child_errors`` state id to
-    (name, error) of those that left an error.
+    ``final_outcomes_dict`` maps the id of every state to (name, :class:`Outcome`). ``child_errors``
+    maps the ids of states that left an error to (name, error).
     """
 
     _kind = "decider"
@@ -74,13 +71,13 @@ class DeciderState(ExecutionState):
         }
 
     def get_outcome_for_state_name(self, name):
-        """The :class:`Outcome` of the first state of this name, or None."""
+        """:class:`Outcome` of the first state with this name, or None."""
         return next((outcome for found, outcome in self.final_outcomes_dict.values() if found == name), None)
 
     def get_outcome_for_state_id(self, state_id):
-        """The :class:`Outcome` of the state of this id, or None."""
+        """:class:`Outcome` of the state with this id, or None."""
         return self.final_outcomes_dict.get(state_id, (None, None))[1]
 
     def get_errors_for_state_name(self, name):
-        """The error of the first state of this name that left one, or None."""
+        """Error of the first state with this name that left one, or None."""
         return next((error for found, error in self.child_errors.values() if found == name), None)

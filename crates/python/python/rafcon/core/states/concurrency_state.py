@@ -1,9 +1,9 @@
-"""Containers whose states run at the same time."""
+"""Containers whose states run in parallel."""
 
 from rafcon.core.states.container_state import ContainerState
 
 
 class ConcurrencyState(ContainerState):
-    """A container that runs all its states at the same time."""
+    """Container that runs all its states in parallel."""
 
     _kind = None

@@ -1,4 +1,4 @@
-"""States with states inside."""
+"""States that contain other states."""
 
 from collections.abc import Mapping
 
@@ -11,7 +11,7 @@ from rafcon.core.states.state import State
 
 
 class Children(Mapping):
-    """State id to state, as it is at the moment; the objects are made when they are looked up."""
+    """Live mapping of state ids to states; objects are created on first access."""
 
     def __init__(self, container):
         self._container = container
@@ -33,10 +33,10 @@ class Children(Mapping):
 
 
 class ContainerState(ContainerChanges, State):
-    """A state with states inside, connected by transitions and data flows.
+    """State with states inside, connected by transitions and data flows.
 
-    ``states``, ``transitions``, ``data_flows`` and ``scoped_variables`` are dictionaries of id to object, or lists. One of
-    this class itself runs, and is saved, as a hierarchy.
+    ``states``, ``transitions``, ``data_flows`` and ``scoped_variables`` are dictionaries of id to
+    object, or lists. An object of this class itself runs, and is saved, as a hierarchy.
     """
 
     _kind = "hierarchy"
@@ -74,16 +74,16 @@ class ContainerState(ContainerChanges, State):
         self.add_state(state)
 
     def _complete(self):
-        """Adds what a container of this kind always has."""
+        """Add the states that a container of this kind always has."""
 
     @classmethod
     def from_dict(cls, dictionary):
-        """A new container, empty, and the transitions and data flows of the dictionary, which need its states."""
+        """Create an empty container; also return the dictionary's transitions and data flows."""
         return State.from_dict.__func__(cls, dictionary), dictionary["transitions"], dictionary["data_flows"]
 
     @property
     def states(self):
-        """State id to state, for the states inside."""
+        """State id to state, for all states inside."""
         return Children(self)
 
     @property
@@ -103,8 +103,10 @@ class ContainerState(ContainerChanges, State):
 
     @property
     def scoped_data(self):
-        """The values in the container now, or at the end of its last run: its inputs, its scoped variables, and the
-        outputs of the states inside that have ended in this run. Port id and state id joined, to :class:`ScopedData`.
+        """Values in the container now, or at the end of its last run.
+
+        They are its inputs, its scoped variables, and the outputs of the states inside that have
+        ended in this run. Maps port id and state id, joined, to :class:`ScopedData`.
         """
         live = self._live()
         found = self._scoped(self, self.input_data_ports, live["input_data"])
@@ -125,7 +127,10 @@ class ContainerState(ContainerChanges, State):
 
     @property
     def start_state_id(self):
-        """The id of the state that runs first, the container's own if none does; None if nothing is connected."""
+        """Id of the state that runs first, or None if nothing is connected.
+
+        It is the container's own id if the start leads to one of its outcomes.
+        """
         for from_state, _outcome, to_state, _to_outcome in self._facts["transitions"].values():
             if from_state is None:
                 return to_state
@@ -136,11 +141,11 @@ class ContainerState(ContainerChanges, State):
         self._set_start(state_id)
 
     def get_start_state(self, set_final_outcome=False):
-        """The state that runs first, or None. ``set_final_outcome`` is accepted for old scripts."""
+        """State that runs first, or None. ``set_final_outcome`` is accepted for old scripts."""
         return self.states.get(self.start_state_id)
 
     def get_transition_for_outcome(self, state, outcome):
-        """The :class:`Transition` that leaves a state by an :class:`Outcome`, or None."""
+        """:class:`Transition` that leaves a state by an :class:`Outcome`, or None."""
         ends = (state.state_id, outcome.outcome_id)
         for transition in self.transitions.values():
             if (transition.from_state, transition.from_outcome) == ends:
@@ -148,11 +153,11 @@ class ContainerState(ContainerChanges, State):
         return None
 
     def get_state_for_transition(self, transition):
-        """The state that a :class:`Transition` leads to; this container, if it leads out."""
+        """State to which a :class:`Transition` leads; this container, if it leads out."""
         return self if transition.to_outcome is not None else self.states[transition.to_state]
 
     def get_data_flow_id(self, from_data_port, to_data_port):
-        """The id of the flow between two ports; ``AttributeError`` if there is none."""
+        """Id of the flow between two ports; ``AttributeError`` if there is none."""
         ends = (
             from_data_port.parent.state_id,
             from_data_port.data_port_id,
@@ -165,34 +170,29 @@ class ContainerState(ContainerChanges, State):
         raise AttributeError(f"there is no data flow from {from_data_port} to {to_data_port} in {self}")
 
     def get_scoped_variable_from_name(self, name):
-        """The id of the scoped variable of this name; ``AttributeError`` if there is none."""
+        """Id of the scoped variable with this name; ``AttributeError`` if there is none."""
         for key, variable in self.scoped_variables.items():
             if variable.name == name:
                 return key
         raise AttributeError(f"{self} has no scoped variable named `{name}`")
 
     def get_data_port(self, state_id, port_id):
-        """The port or scoped variable of a state inside, or of this container; None if there is none."""
+        """Port or scoped variable of a state inside or of this container; None if missing."""
         if state_id != self.state_id:
             return self.states[state_id].get_data_port_by_id(port_id) if state_id in self.states else None
         return self.get_data_port_by_id(port_id)
 
     def get_data_port_by_id(self, data_port_id):
-        """The input, output or scoped variable of this id, or None."""
+        """Input, output or scoped variable with this id, or None."""
         return State.get_data_port_by_id(self, data_port_id) or self.scoped_variables.get(data_port_id)
 
     def get_outcome(self, state_id, outcome_id):
-        """The :class:`Outcome` of a state inside, or of this container; None if there is none."""
+        """:class:`Outcome` of a state inside, or of this container; None if there is none."""
         state = self if state_id == self.state_id else self.states.get(state_id)
         return None if state is None else state.outcomes.get(outcome_id)
 
     def get_connections_for_state(self, state_id):
-        """What is connected to a state inside: a pair, transitions first, then data flows.
-
-        Each is a dictionary of lists: ``["external"]`` has the connections in this container as ``ingoing``,
-        ``outgoing`` and ``self`` (from the state to itself); ``["internal"]`` those inside the state, if it is a
-        container, as ``enclosed`` (between its children), ``ingoing``, ``outgoing`` and ``self``.
-        """
+        """Connections of a state inside: a pair of dictionaries, for transitions and data flows."""
         state = self.states[state_id]
         inside = isinstance(state, ContainerState)
         return (
@@ -201,9 +201,10 @@ class ContainerState(ContainerChanges, State):
         )
 
     def get_connections_for_state_and_scoped_variables(self, state_ids, scoped_variables):
-        """What is connected to states inside and scoped variables: a pair, transitions first, then data flows.
+        """Connections of states inside and scoped variables.
 
-        Each is a dictionary of lists: ``enclosed`` between the given ones, ``ingoing`` and ``outgoing`` at their border.
+        A pair of dictionaries of lists, for transitions and for data flows: ``enclosed`` between
+        the given elements, ``ingoing`` and ``outgoing`` at their border.
         """
         states, variables = set(state_ids), set(scoped_variables)
 
@@ -224,19 +225,19 @@ class ContainerState(ContainerChanges, State):
         return f"{State.__str__(self)} [{len(self.states)} child states]"
 
     def recursively_preempt_states(self):
-        """Preempts this state and all states inside."""
+        """Preempt this state and all states inside."""
         State.recursively_preempt_states(self)
         for state in self.states.values():
             state.recursively_preempt_states()
 
     def recursively_pause_states(self):
-        """Holds this state and all states inside."""
+        """Hold this state and all states inside."""
         State.recursively_pause_states(self)
         for state in self.states.values():
             state.recursively_pause_states()
 
     def recursively_resume_states(self):
-        """Lets this state and all states inside go on."""
+        """Resume this state and all states inside."""
         State.recursively_resume_states(self)
         for state in self.states.values():
             state.recursively_resume_states()

@@ -7,10 +7,10 @@ from rafcon.core.states.state import State
 
 
 class ExecutionState(State):
-    """A state whose ``execute`` function is called when it is entered.
+    """State whose ``execute`` function is called on entry.
 
-    A new one has a script that greets, waits for two seconds and ends by *success*; ``path`` and ``filename`` may name
-    a file with another one.
+    By default its script logs a greeting, waits for two seconds and leaves by *success*. ``path``
+    and ``filename`` may name a file with another script.
     """
 
     _kind = "execution"
@@ -39,7 +39,7 @@ class ExecutionState(State):
 
     @property
     def script(self):
-        """The :class:`Script`. The text of another one that is assigned is taken over."""
+        """:class:`Script` of the state. Assigning another one sets the state's text."""
         return self._own_script
 
     @script.setter
@@ -54,7 +54,7 @@ class ExecutionState(State):
 
     @property
     def script_text(self):
-        """The script's text (``str``). A new text counts from the next time that the state is entered."""
+        """Text (``str``) of the script. A new text takes effect at the next entry of the state."""
         return self._facts["script"]
 
     @script_text.setter

@@ -1,9 +1,9 @@
-"""Containers whose states run one after the other."""
+"""Containers whose states run in sequence."""
 
 from rafcon.core.states.container_state import ContainerState
 
 
 class HierarchyState(ContainerState):
-    """A container that runs its states one after the other, along its transitions."""
+    """Container that runs its states in sequence, along its transitions."""
 
     _kind = "hierarchy"

@@ -7,10 +7,11 @@ from rafcon.utils.type_helpers import port_default
 
 
 class LibraryState(State):
-    """A state that stands for a library; the library's root is ``state_copy``.
+    """State that runs a library; the library's root is ``state_copy``.
 
-    Outcomes and ports are those of the library, and cannot be changed here (``NotImplementedError``). A value of its
-    own for a port counts instead of the port's default. Without a name it is called after the library's root.
+    Outcomes and ports are those of the library, and cannot be changed here
+    (``NotImplementedError``). A port's default can be replaced by a value of the state's own. The
+    default name is that of the library's root.
     """
 
     _kind = "library"
@@ -54,24 +55,24 @@ class LibraryState(State):
         self._change("runtime.set", group, key, port_default(value, ports[key].data_type))
 
     def set_input_runtime_value(self, input_data_port_id, value):
-        """Uses a value of its own for an input; text is converted to the port's type."""
+        """Set the state's own value for an input; text is converted to the port's type."""
         self._set_value("inputs", self.input_data_ports, input_data_port_id, value)
 
     def set_output_runtime_value(self, output_data_port_id, value):
-        """Uses a value of its own for an output; text is converted to the port's type."""
+        """Set the state's own value for an output; text is converted to the port's type."""
         self._set_value("outputs", self.output_data_ports, output_data_port_id, value)
 
     def set_use_input_runtime_value(self, input_data_port_id, use_value):
-        """Whether the value of its own counts for an input, or the default of the library."""
+        """Select the state's own value (True) or the library's default for an input."""
         self._change("runtime.used", "inputs", input_data_port_id, bool(use_value))
 
     def set_use_output_runtime_value(self, output_data_port_id, use_value):
-        """Whether the value of its own counts for an output, or the default of the library."""
+        """Select the state's own value (True) or the library's default for an output."""
         self._change("runtime.used", "outputs", output_data_port_id, bool(use_value))
 
     @property
     def name(self):
-        """The name (``str``); that of a missing library where its machine was loaded, and not where it runs."""
+        """Name (``str``), or a fixed name if the library of a loaded machine is missing."""
         if self.is_dummy:
             return LIBRARY_NOT_FOUND_DUMMY_STATE_NAME
         return self._facts["name"]
@@ -82,32 +83,32 @@ class LibraryState(State):
 
     @property
     def is_dummy(self):
-        """Whether the library is missing, in a machine that was loaded."""
+        """True if the library of a loaded machine is missing."""
         return hasattr(self._home, "document") and not self._home.child_ids(self)
 
     @property
     def library_path(self):
-        """Where the library lies: the key of a library root, and folders below it."""
+        """Location of the library: the key of a library root, and folders below it."""
         return self._facts["library"]["path"]
 
     @property
     def library_name(self):
-        """The name of the library's folder."""
+        """Name of the library's folder."""
         return self._facts["library"]["name"]
 
     @property
     def version(self):
-        """The version (``str``) of the library that was put in."""
+        """Version (``str``) of the library when it was added."""
         return self._facts["library"]["version"]
 
     @property
     def state_copy(self):
-        """The root state of the library."""
+        """Root state of the library, or None if the library is missing."""
         ids = self._home.child_ids(self)
         return self._home.child(self, ids[0]) if ids else None
 
     def _own(self, side, is_use):
-        """The live dictionary of a side, of values or of whether they count."""
+        """Live dictionary of a side, of own values or of their use."""
         key = (side, is_use)
         if key not in self._listed:
             set_value = self.set_input_runtime_value if side == "input" else self.set_output_runtime_value
@@ -124,7 +125,7 @@ class LibraryState(State):
         return self._listed[key]
 
     def _own_values(self, side, is_use):
-        """Port id to content; of a port that the file of the machine does not list, the default of the library."""
+        """Port id to content; the library's default for ports missing in the machine's file."""
         facts = self._facts
         kept = facts["library"][f"use_{side}_runtime_values" if is_use else f"{side}_runtime_values"]
         ports = facts[f"{side}s"]
@@ -137,7 +138,7 @@ class LibraryState(State):
 
     @property
     def input_data_port_runtime_values(self):
-        """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
+        """Port id to the state's own value; can be changed in place, or assigned."""
         return self._own("input", False)
 
     @input_data_port_runtime_values.setter
@@ -146,7 +147,7 @@ class LibraryState(State):
 
     @property
     def output_data_port_runtime_values(self):
-        """Port id to the value used here instead of the port's default; may be changed in place, or assigned."""
+        """Port id to the state's own value; can be changed in place, or assigned."""
         return self._own("output", False)
 
     @output_data_port_runtime_values.setter
@@ -155,7 +156,7 @@ class LibraryState(State):
 
     @property
     def use_runtime_value_input_data_ports(self):
-        """Port id to whether the runtime value is used; may be changed in place, or assigned."""
+        """Port id to True if the own value is used; can be changed in place, or assigned."""
         return self._own("input", True)
 
     @use_runtime_value_input_data_ports.setter
@@ -164,7 +165,7 @@ class LibraryState(State):
 
     @property
     def use_runtime_value_output_data_ports(self):
-        """Port id to whether the runtime value is used; may be changed in place, or assigned."""
+        """Port id to True if the own value is used; can be changed in place, or assigned."""
         return self._own("output", True)
 
     @use_runtime_value_output_data_ports.setter
@@ -172,28 +173,28 @@ class LibraryState(State):
         self._assign("use_runtime_value_output_data_ports", used)
 
     def _set_default(self, port, default):
-        """A port got another default: from now on it is the state's own value, as its library stays what it is."""
+        """Make a new default of a port the state's own value; the library stays unchanged."""
         self._change("runtime.set", port._group, port.data_port_id, default)
         self._change("runtime.used", port._group, port.data_port_id, True)
         self._own_defaults = {*self._own_defaults, (port._group, port.data_port_id)}
 
     def _own_default(self, port):
-        """Whether the port got a default here, and the value that it has now."""
+        """Return True if the port's default was set here, and the port's own value."""
         key, side = port.data_port_id, "input" if port._group == "inputs" else "output"
         is_own = (port._group, key) in self._own_defaults
         return is_own, self._facts["library"][f"{side}_runtime_values"].get(key)
 
     def recursively_preempt_states(self):
-        """Preempts this state and all states of the library."""
+        """Preempt this state and all states of the library."""
         State.recursively_preempt_states(self)
         self.state_copy.recursively_preempt_states()
 
     def recursively_pause_states(self):
-        """Holds this state and all states of the library."""
+        """Hold this state and all states of the library."""
         State.recursively_pause_states(self)
         self.state_copy.recursively_pause_states()
 
     def recursively_resume_states(self):
-        """Lets this state and all states of the library go on."""
+        """Resume this state and all states of the library."""
         State.recursively_resume_states(self)
         self.state_copy.recursively_resume_states()

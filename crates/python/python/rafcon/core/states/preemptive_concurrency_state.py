@@ -4,6 +4,6 @@ from rafcon.core.states.concurrency_state import ConcurrencyState
 
 
 class PreemptiveConcurrencyState(ConcurrencyState):
-    """A container that runs all its states at the same time and preempts the others when the first is done."""
+    """Container that runs its states in parallel; when one has ended, it preempts the others."""
 
     _kind = "preemptive"

@@ -1,6 +1,6 @@
-"""What every state offers to scripts; ``self`` in ``execute`` is one.
+"""Base class of all states; ``self`` in ``execute`` is a state.
 
-The objects are live: they hold no copy of the machine, they ask it.
+The objects are live: they read the machine, and hold no copy of it.
 """
 
 import os
@@ -44,10 +44,10 @@ _PROCESS = os.urandom(8).hex()
 
 
 class State(StateConstruction, StateChanges, SemanticData, StateSummary):
-    """A state: of the machine that runs, or of one that is being built.
+    """State of the running machine, or of one that is being built.
 
-    ``preempted``, ``paused`` and ``started`` may be set. Any further attribute that a script puts on the object stays
-    there until the process ends, and so does ``persistent_variables``.
+    ``preempted``, ``paused`` and ``started`` may be set. Any other attribute that a script sets on
+    the object lasts until the process ends, and so does ``persistent_variables``.
     """
 
     #: Inputs of the next runs; for the root of a machine that is being built.
@@ -72,7 +72,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def name(self):
-        """The name (``str``)."""
+        """Name (``str``) of the state."""
         return self._facts["name"]
 
     @name.setter
@@ -81,17 +81,17 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def state_id(self):
-        """The id (``str``), unique in its container."""
+        """Id (``str``), unique in the container."""
         return self._facts["state_id"]
 
     @property
     def core_element_id(self):
-        """The same as ``state_id``."""
+        """Alias of ``state_id``."""
         return self.state_id
 
     @property
     def description(self):
-        """The description (``str``), or None."""
+        """Description (``str``), or None."""
         return self._facts["description"] or None
 
     @description.setter
@@ -100,18 +100,18 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @cached_property
     def logger(self):
-        """The logger ``rafcon.<name>``, with ``verbose`` below ``debug``."""
+        """Logger ``rafcon.<name>``, with a level ``verbose`` below ``debug``."""
         logger = get_logger("rafcon." + self.name)
         _logging.owners[logger.name] = self._place
         return logger
 
     @property
     def file_system_path(self):
-        """The folder (``str``) where the state is stored, or None."""
+        """Folder (``str``) in which the state is stored, or None."""
         return self._facts["file_system_path"]
 
     def get_path(self, appendix=None, by_name=False):
-        """The ids (or names) from the root to here, joined by ``/``; ``appendix`` is put behind."""
+        """Path: ids (or names) from the root to here, joined by ``/``; ``appendix`` is appended."""
         path = self._facts["path_by_name" if by_name else "path"]
         return path if appendix is None else path + PATH_SEPARATOR + appendix
 
@@ -125,34 +125,34 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def parent(self):
-        """The container, the library state around a library's root, or the state machine; None if it stands alone."""
+        """Container, library state (of a library's root) or state machine; None if standalone."""
         return self._home.parent(self)
 
     def get_state_machine(self):
-        """The state machine that it belongs to, or None."""
+        """State machine of the state, or None."""
         return self._home.machine(self)
 
     @property
     def is_root_state(self):
-        """Whether the state machine is the parent."""
+        """True if the parent is the state machine."""
         from rafcon.core.state_machine import StateMachine
 
         return isinstance(self.parent, StateMachine)
 
     @property
     def is_root_state_of_library(self):
-        """Whether a library state is the parent."""
+        """True if the parent is a library state."""
         from rafcon.core.states.library_state import LibraryState
 
         return isinstance(self.parent, LibraryState)
 
     def get_next_upper_library_root_state(self):
-        """The root of the innermost library that this state is in (perhaps itself), or None."""
+        """Root of the innermost library that contains this state (or is this state), or None."""
         roots = self._library_roots()
         return roots[0] if roots else None
 
     def get_uppermost_library_root_state(self):
-        """The root of the outermost library that this state is in (perhaps itself), or None."""
+        """Root of the outermost library that contains this state (or is this state), or None."""
         roots = self._library_roots()
         return roots[-1] if roots else None
 
@@ -166,7 +166,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
             state = state.parent
 
     def get_previously_executed_state(self):
-        """The state that ran before this one in its container; the container itself before the first."""
+        """State that ran before this one in its container; for the first, the container."""
         before = native.last_left(self._place)
         if before >= 0:
             return _objects.state(before)
@@ -175,14 +175,14 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
     # ---- parts
 
     def _parts(self, group, cls):
-        """Live mapping of ids to elements of one kind; one dictionary for the life of the state."""
+        """Live mapping of ids to elements of one kind; always one object per state and kind."""
         parts = self._listed.get(group)
         if parts is None:
             parts = self._listed[group] = Parts(self, group, cls)
         return parts
 
     def _adopt(self, group, key, element):
-        """Binds an element that a user made to that of the state."""
+        """Connect a user's element object to the element of the state."""
         self._parts(group, type(element))._adopt(key, element)
 
     @property
@@ -196,7 +196,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def income(self):
-        """Where the state is entered."""
+        """Entry point of the state."""
         return self._income
 
     @property
@@ -210,17 +210,18 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
         return self._parts("outputs", OutputDataPort)
 
     def get_data_port_ids(self):
-        """The ids of all inputs and outputs."""
+        """Ids of all inputs and outputs."""
         return list(self.input_data_ports) + list(self.output_data_ports)
 
     def get_data_port_by_id(self, data_port_id):
-        """The input or output of this id, or None."""
+        """Input or output with this id, or None."""
         return self.input_data_ports.get(data_port_id) or self.output_data_ports.get(data_port_id)
 
     def get_io_data_port_id_from_name_and_type(self, name, data_port_type, throw_exception=True):
-        """The id of the port of this name; ``data_port_type`` is ``InputDataPort`` or ``OutputDataPort``.
+        """Id of a port by name; ``data_port_type`` is ``InputDataPort`` or ``OutputDataPort``.
 
-        Without one, ``AttributeError``, or None if ``throw_exception`` is False.
+        If there is no such port, raises ``AttributeError``, or returns None if ``throw_exception``
+        is False.
         """
         ports = self.input_data_ports if data_port_type is InputDataPort else self.output_data_ports
         for key, port in ports.items():
@@ -241,7 +242,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def preempted(self):
-        """Whether this run is to end early. True counts as told: see ``StatePreempted``."""
+        """True if this run should end early. Reading True is noted: see ``StatePreempted``."""
         if self._signals.preempted:
             self._told = self._live()["run_count"]
             return True
@@ -253,7 +254,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def paused(self):
-        """Whether the machine is held."""
+        """True if the machine is held."""
         return self._signals.paused
 
     @paused.setter
@@ -262,7 +263,7 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def started(self):
-        """Whether the machine was resumed since it was last held."""
+        """True if the machine was resumed since it was last held."""
         return self._signals.started
 
     @started.setter
@@ -296,38 +297,38 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
         return come
 
     def _told_preempted(self):
-        """Whether the script of this run knows that it is preempted."""
+        """True if the script of this run has seen that it is preempted."""
         return self._told == self._live()["run_count"]
 
     def preemptive_wait(self, time=None):
-        """Waits for a time (s) or for ever; True if the state was preempted, False if the time is over."""
+        """Wait for a time (s), None for ever; True if preempted, False if the time has passed."""
         return self._wait(_signals.PREEMPTED, time)
 
     def wait_for_interruption(self, timeout=None):
-        """Waits until the state is preempted or paused; False if the time (s) ran out."""
+        """Wait until the state is preempted or paused; False if the timeout (s) expired."""
         return self._wait(_signals.PREEMPTED | _signals.PAUSED, timeout)
 
     def wait_for_unpause(self, timeout=None):
-        """Waits until the state is preempted or the machine resumed; False if the time (s) ran out."""
+        """Wait until the state is preempted or the machine resumed; False on timeout (s)."""
         return self._wait(_signals.PREEMPTED | _signals.STARTED, timeout)
 
     def recursively_preempt_states(self):
-        """Preempts this state and all states inside."""
+        """Preempt this state and all states inside."""
         self.preempted = True
 
     def recursively_pause_states(self):
-        """Holds this state and all states inside."""
+        """Hold this state and all states inside."""
         self.started = False
         self.paused = True
 
     def recursively_resume_states(self):
-        """Lets this state and all states inside go on."""
+        """Resume this state and all states inside."""
         self.paused = False
         self.started = True
 
     @property
     def state_execution_status(self):
-        """What the state does at this moment, a ``StateExecutionStatus``."""
+        """Current ``StateExecutionStatus`` of the state."""
         live = self._live()
         if not live["active"] and live["phase"] != "waiting":
             return StateExecutionStatus.INACTIVE
@@ -335,14 +336,14 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def active(self):
-        """Whether the state runs."""
+        """True if the state is running."""
         return self._live()["active"]
 
     @property
     def input_data(self):
-        """The inputs of the last run: name of the port to value.
+        """Inputs of the last run: port name to value.
 
-        What is assigned to the root of a machine that is being built are the inputs of its next runs.
+        For the root of a machine that is being built, assign the inputs of its next runs.
         """
         live = self._live()
         return live["input_data"] if live["run_count"] else self._given_inputs or {}
@@ -353,9 +354,9 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def output_data(self):
-        """The outputs of the last run: name of the port to value.
+        """Outputs of the last run: port name to value.
 
-        What is assigned to the root of a machine that is being built stands there until it runs.
+        At the root of a machine that is being built, assigned values apply until it runs.
         """
         live = self._live()
         return live["output_data"] if live["run_count"] else self._given_outputs or {}
@@ -373,24 +374,24 @@ class State(StateConstruction, StateChanges, SemanticData, StateSummary):
 
     @property
     def final_outcome(self):
-        """The :class:`Outcome` by which it was last left, or None."""
+        """:class:`Outcome` by which the state was last left, or None."""
         left_by = self._live()["final_outcome"]
         return None if left_by is None else Outcome(left_by[0], left_by[1], self)
 
     @property
     def run_id(self):
-        """Tells this run of the state from all others (``str``); None before the first."""
+        """Unique id (``str``) of the current or last run of the state; None before the first."""
         count = self._live()["run_count"]
         return f"{_PROCESS}.run_id.{self._place:010}{count:010}" if count else None
 
     @property
     def backward_execution(self):
-        """Whether ``backward_execute`` runs."""
+        """True if ``backward_execute`` is running."""
         return self._backward
 
     @property
     def execution_history(self):
-        """What ran before, as far as scripts can see it."""
+        """History of the run."""
         return ExecutionHistory(self)
 
 
