@@ -1,4 +1,4 @@
-"""Small patterns that programs and plugins build on: observers and singletons."""
+"""Patterns for programs and plugins: observers and singletons."""
 
 from rafcon._lazy import submodules
 

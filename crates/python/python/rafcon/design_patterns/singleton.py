@@ -1,8 +1,8 @@
-"""Classes of which a process has one object."""
+"""Classes with one object per process."""
 
 
 class Singleton:
-    """Decorator of a class: ``Class.instance()`` gives its one object, and calling the class is a ``TypeError``."""
+    """Decorator of a class: ``Class.instance()`` returns its object, a call is a ``TypeError``."""
 
     def __init__(self, cls):
         self._cls = cls
@@ -12,7 +12,7 @@ class Singleton:
         self.__module__ = cls.__module__
 
     def instance(self, *args, **kwargs):
-        """The one object; the first call makes it, with these arguments."""
+        """Only object of the class; the first call creates it, with these arguments."""
         if self._instance is None:
             self._instance = self._cls(*args, **kwargs)
         return self._instance

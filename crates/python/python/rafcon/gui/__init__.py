@@ -1,4 +1,7 @@
-"""The desktop program of old is not part of this package; scripts that need it learn so when they import it."""
+"""Placeholder for the former desktop program, which is not part of this package.
+
+Importing its modules raises an error.
+"""
 
 import importlib.abc
 import importlib.util
@@ -11,7 +14,7 @@ _DIALOGS = "rafcon.gui.utils.dialog"
 
 
 class _NoDesktop(importlib.abc.MetaPathFinder):
-    """Answers imports of ``rafcon.gui.…`` as an installation without a desktop does."""
+    """Finder that rejects imports of ``rafcon.gui.…``, like an installation without a desktop."""
 
     def find_spec(self, fullname, path=None, target=None):
         if not fullname.startswith("rafcon.gui.") or fullname in _PRESENT:

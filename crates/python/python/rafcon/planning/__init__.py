@@ -1,7 +1,7 @@
-"""Plans from skills, in Python: :func:`plan` asks an engine and returns a :class:`Plan`, which becomes a machine.
+"""Plans from skills, in Python: :func:`plan` returns a :class:`Plan`, which becomes a machine.
 
-Everything is done as by ``rafcon plan``: skills are library states with a planner annotation, each plan is validated before it is
-returned, and preemption of the calling state ends the engine.
+The rules are those of ``rafcon plan``: skills are library states with a planner annotation, each
+plan is validated before it is returned, and preemption of the calling state ends the engine.
 """
 
 from rafcon.planning._plans import (

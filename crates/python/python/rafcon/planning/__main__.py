@@ -1,7 +1,10 @@
-"""Engines of unified-planning as programs: ``python -m rafcon.planning --engine NAME DOMAIN PROBLEM`` prints a plan as one line
-of JSON. Exit status 10: there is none; 14: none was found; 13: the engine is missing or does not understand the problem.
+"""Engines of unified-planning as programs.
 
-Ends with the program that started it, whose end of the standard input then closes.
+``python -m rafcon.planning --engine NAME DOMAIN PROBLEM`` prints a plan as one line of JSON. The
+exit status is 10 if there is no plan, 14 if none was found, and 13 if the engine is missing or does
+not support the problem.
+
+Ends when standard input closes, because then the program that started it has ended.
 """
 
 import argparse
@@ -13,14 +16,14 @@ import threading
 
 
 def end_with_parent():
-    """The end of the standard input is the end of whoever wanted a plan."""
+    """Kill the process group when standard input ends: the program that started it has ended."""
     while os.read(0, 65536):
         pass
     os.killpg(os.getpgrp(), signal.SIGKILL)
 
 
 def steps_of(plan):
-    """The steps of a plan, and whether their times mean something."""
+    """Steps of a plan, with times if the plan has times."""
     if hasattr(plan, "timed_actions"):
         for start, action, duration in plan.timed_actions:
             step = {"time": float(start), "action": words(action)}
@@ -34,26 +37,26 @@ def steps_of(plan):
 
 
 def plan_kind():
-    """The kinds of plans; imported only when a plan is there."""
+    """Enum ``PlanKind``, imported on first use."""
     from unified_planning.plans import PlanKind
 
     return PlanKind
 
 
 def words(action):
-    """An action with its objects, as PDDL writes it."""
+    """Action with its objects, in the syntax of PDDL."""
     return "(%s)" % " ".join([action.action.name, *map(str, action.actual_parameters)])
 
 
 def tell(plan):
-    """Prints a plan as one line."""
+    """Print a plan as one line."""
     steps = list(steps_of(plan))
     temporal = hasattr(plan, "timed_actions")
     print(json.dumps({"temporal": temporal, "steps": steps}), flush=True)
 
 
 def solve(planner, problem, options):
-    """Prints plans; returns the exit status."""
+    """Print plans; return the exit status."""
     from unified_planning.engines.results import PlanGenerationResultStatus as Status
 
     if options.anytime and hasattr(planner, "get_solutions") and planner.is_anytime():
@@ -73,7 +76,7 @@ def solve(planner, problem, options):
 
 
 def main():
-    """Plans as the command line says; returns the exit status."""
+    """Plan with the options of the command line; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m rafcon.planning", description="plans with an engine of unified-planning")
     parser.add_argument("--engine", required=True, help="its name, such as fast-downward, pyperplan or aries")
     parser.add_argument("--time-limit", type=float, help="in seconds")

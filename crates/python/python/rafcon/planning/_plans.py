@@ -1,4 +1,4 @@
-"""Plans as Python objects: how one is asked for, what it says, and how it becomes a machine."""
+"""Plans as Python objects: request, content, and conversion to a machine."""
 
 import json
 import os
@@ -15,11 +15,11 @@ _LISTEN_S = 0.02
 
 
 class PlanningError(Exception):
-    """There is no plan; the text says why. See its subclasses."""
+    """Planning failed; the message gives the reason. See the subclasses."""
 
 
 class Refused(PlanningError):
-    """Skills, facts or goal do not fit: ``findings`` lists what is wrong."""
+    """Skills, facts or goal are inconsistent: ``findings`` lists the problems."""
 
     def __init__(self, findings):
         errors = [finding for finding in findings if finding["is_error"]]
@@ -32,11 +32,11 @@ class Unsolvable(PlanningError):
 
 
 class NoPlan(PlanningError):
-    """The engine has found none in its time."""
+    """The engine has found no plan within its time limit."""
 
 
 class EngineError(PlanningError):
-    """The engine is missing, fails, or gives plans that are not valid."""
+    """The engine is missing, fails, or returns invalid plans."""
 
 
 _ERRORS = {"impossible": Unsolvable, "not_found": NoPlan, "failed": EngineError}
@@ -48,7 +48,7 @@ def _finding(finding):
 
 @dataclass(frozen=True)
 class Step:
-    """One action of a plan."""
+    """Action of a plan."""
 
     #: The name of the action.
     action: str
@@ -73,7 +73,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """A valid plan."""
+    """Valid plan."""
 
     steps: tuple
     #: Cost reported by the engine.
@@ -96,7 +96,7 @@ class Plan:
         return "\n".join(map(str, self.steps))
 
     def explain(self):
-        """The steps with what each needs and brings, as text."""
+        """Steps as text, with the facts that each needs and provides."""
         lines = []
         for index, step in enumerate(self.steps, 1):
             lines.append(f"{index} {step}")
@@ -111,11 +111,14 @@ class Plan:
         return "\n".join(lines)
 
     def save(self, folder):
-        """Writes the machine of the plan to a folder."""
+        """Write the machine of the plan to a folder."""
         native.save_plan(json.dumps(self._found), library_manager._roots(), os.fspath(folder))
 
     def to_machine(self):
-        """The machine of the plan, as a :class:`rafcon.core.state_machine.StateMachine` that is not saved anywhere."""
+        """Load the machine of the plan as a :class:`rafcon.core.state_machine.StateMachine`.
+
+        It has no folder of its own, and is not saved.
+        """
         from rafcon.core.storage import storage
 
         with tempfile.TemporaryDirectory(prefix="rafcon-plan-") as folder:
@@ -161,13 +164,15 @@ def plan(
     on_plan=None,
     state=None,
 ):
-    """Asks an engine for a plan and returns it; raises a :class:`PlanningError` where there is none.
+    """Request a plan from an engine and return it; raises a :class:`PlanningError` if that fails.
 
-    ``pool`` is a library path with skills, or a list of them; ``facts`` a PDDL problem as text; ``goal`` a PDDL condition, if
-    it is not that of the problem. ``types`` says which type is a kind of which, ``data`` what objects are while a machine runs.
-    ``then`` is what failing steps do whose skills do not say: ``give_up``, ``ask`` or ``replan`` (with the library ``observe``).
-    ``on_plan`` is called with each plan that is found, also with those that a better one follows (``anytime``). With ``state``,
-    preemption of that state ends the engine and raises ``StatePreempted``.
+    ``pool`` is a library path with skills, or a list of them. ``facts`` is a PDDL problem as text,
+    and ``goal`` a PDDL condition that replaces the problem's. ``types`` maps types to their parent
+    types, and ``data`` objects to their values while a machine runs. ``then`` is the action after a
+    failed step whose skill has none: ``give_up``, ``ask`` or ``replan`` (with the library
+    ``observe``). ``on_plan`` is called with each plan, including plans that are followed by a
+    better one (``anytime``). With ``state``, preemption of that state ends the engine and raises
+    ``StatePreempted``.
     """
     request = {
         "pool": {"libraries": [pool] if isinstance(pool, str) else list(pool), "types": dict(types or {})},

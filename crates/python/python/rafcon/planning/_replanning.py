@@ -1,4 +1,4 @@
-"""Planning again while a machine runs: the other children of a state's container are replaced by the steps of a new plan."""
+"""Replanning in a running machine: the steps of a new plan replace a state's siblings."""
 
 import functools
 
@@ -19,13 +19,15 @@ REPLANNED, REACHED, GIVEN_UP = "replanned", "reached", "given up"
 
 
 def replan(state, inputs, outputs=None):
-    """Plans from ``inputs["facts"]`` and puts the new steps in the place of the old ones; returns the outcome of ``state``.
+    """Plan from ``inputs["facts"]`` and replace the old steps by new ones; return an outcome name.
 
-    ``state`` stands in the container whose steps are replaced, or is the root of a library that stands there, such as
-    ``planning/replan``; it stays, with the states that give it its inputs. Outcomes: *replanned*, which then leads to the first
-    step; *reached*, where nothing is left to do; *given up*, where there is no plan, none that was not tried before, or
-    ``replans_max`` are over. ``inputs["plans"]`` are the plans so far; with ``outputs``, the new one is added to them there. The
-    states of new steps that fail lead to the one that gives ``facts``; ``inputs["observe"]`` names its library, if it is none.
+    ``state`` is in the container whose steps are replaced, or it is the root of a library in that
+    container, such as ``planning/replan``. It stays, and so do the states that provide its inputs.
+    The outcomes are *replanned*, which then leads to the first step; *reached* if no steps are
+    left; and *given up* if there is no plan, no untried plan, or ``replans_max`` is reached.
+    ``inputs["plans"]`` are the plans so far; with ``outputs``, the new one is added to them there.
+    Failed steps of the new plan lead to the state that provides ``facts``. ``inputs["observe"]``
+    names the library of that state if it is no library state.
     """
     host = state.parent if isinstance(state.parent, LibraryState) else state
     if host is not state:
@@ -74,7 +76,10 @@ def replan(state, inputs, outputs=None):
 
 
 def _must_remember(host):
-    """A library state has no memory of its own: without one, the same plan would be tried for ever."""
+    """Raise ``ValueError`` unless the tried plans are stored in a scoped variable around ``host``.
+
+    A library state has no memory of its own, and would try one plan forever.
+    """
     memory = host.parent
     key = next(key for key, port in host.input_data_ports.items() if port.name == "plans")
     told = next(key for key, port in host.output_data_ports.items() if port.name == "plans")
@@ -88,7 +93,7 @@ def _must_remember(host):
 
 
 def _replace(host, new):
-    """Puts the children of a new container in the place of those beside ``host``, in one change."""
+    """Replace the siblings of ``host`` by the children of a new container, in one change."""
     container = host.parent
     kept = {host.state_id, *_sources(container, host)}
     removed = [child for child in container.states if child not in kept]
@@ -122,7 +127,10 @@ def _replace(host, new):
 
 
 def _places(container, kept, new, ids):
-    """The changes of the layout that put everything into the container: steps as in ``new``, and in a line above what is not there."""
+    """Layout changes for the container.
+
+    Steps are placed as in ``new``, and states missing there in a row above.
+    """
     places = {ids[child.state_id]: child._home.layout(child) for child in new.states.values()}
     others = [child for child in container.states if child in kept and child not in places]
     left, top, width, height = _MARGIN, _HEADING, *_STATE
@@ -138,7 +146,7 @@ def _places(container, kept, new, ids):
 
 
 def _room(container, width, height):
-    """The change that makes a container large enough; those around it are made so at once."""
+    """Return the change that enlarges a container; containers around it are enlarged at once."""
     left, top, *size = container._home.layout(container) or (0.0, 0.0, 0.0, 0.0)
     width, height = max(width, size[0]), max(height, size[1])
     around = container.parent
@@ -148,7 +156,10 @@ def _room(container, width, height):
 
 
 def _taken_over(host, new):
-    """What is in the place of the ids of ``new``: its container, and those of its states that are there already."""
+    """Map ids of ``new`` to existing ids, for its container and the states that already exist.
+
+    Also returns the ids in ``new`` of the states that already exist.
+    """
     ids, own = {new.state_id: host.parent.state_id}, set()
     again = _replanning_of(new)
     if again is not None:
@@ -159,26 +170,26 @@ def _taken_over(host, new):
 
 
 def _moved(line, ids, beginning):
-    """A transition between the states that ``ids`` names; what begins the new container begins where it was planned."""
+    """Translate a transition by ``ids``; the start transition begins at ``beginning``."""
     from_state, from_outcome, to_state, to_outcome = line
     origin = beginning if from_state is None else (ids[from_state], from_outcome)
     return (*origin, ids[to_state], to_outcome)
 
 
 def _lines(container, lines):
-    """The changes that add transitions."""
+    """Changes that add transitions."""
     is_taken = functools.partial(container._home.has_line, container, "transitions")
     return [("transition.add", (_ids.transition_id(is_taken), *line)) for line in lines]
 
 
 def _sources(container, state):
-    """The siblings whose outputs are inputs of ``state``."""
+    """Ids of the siblings whose outputs are inputs of ``state``."""
     flows = container.data_flows.values()
     return {flow.from_state for flow in flows if flow.to_state == state.state_id and flow.from_state != container.state_id}
 
 
 def _source(state, name):
-    """The sibling that gives ``state`` this input, or None."""
+    """Sibling that provides this input of ``state``, or None."""
     container = state.parent
     keys = {key for key, port in state.input_data_ports.items() if port.name == name}
     flows = container.data_flows.values()
@@ -187,12 +198,12 @@ def _source(state, name):
 
 
 def _library_of(state):
-    """The path and name of a library state; None for any other."""
+    """Path and name of a library state, joined by ``/``; None for any other state or None."""
     return f"{state.library_path}/{state.library_name}" if isinstance(state, LibraryState) else None
 
 
 def _replanning_of(new):
-    """The state of a new container that plans again, or None."""
+    """State of a new container that replans, or None."""
     for child in new.states.values():
         if isinstance(child, LibraryState) and _source(child, "facts") is not None:
             if any(port.name == "replans_max" for port in child.input_data_ports.values()):

@@ -1,4 +1,7 @@
-"""Observers: of calls and assignments (:mod:`observable`), of models (:mod:`observer`), of collections (:mod:`wrappers`)."""
+"""Observers of calls and assignments, of models, and of collections.
+
+See :mod:`observable`, :mod:`observer` and :mod:`wrappers`.
+"""
 
 from rafcon._lazy import submodules
 

@@ -10,14 +10,17 @@ OBSERVABLES = "__observables__"
 
 
 class Observable(WrapperBase):
-    """Base of classes with methods and setters decorated by :meth:`observed`; see :meth:`add_observer`."""
+    """Base of classes with methods and setters decorated by :meth:`observed`.
+
+    See :meth:`add_observer`.
+    """
 
     def __init__(self):
         WrapperBase.__init__(self)
 
     @staticmethod
     def observed(function):
-        """Decorator: observers of this method, or of the property that this function sets, are called around it."""
+        """Decorator of a method or property setter: call its observers before and after it."""
 
         @functools.wraps(function)
         def around(self, *args, **kwargs):
@@ -29,11 +32,12 @@ class Observable(WrapperBase):
         return around
 
     def add_observer(self, observer, key, notify_before_function=None, notify_after_function=None):
-        """Calls functions around each call of the method, or assignment to the property, with the name ``key``.
+        """Call functions around each call of the method, or assignment to the property, ``key``.
 
-        ``notify_before_function(observable, args)`` comes before it, ``notify_after_function(observable, result, args)``
-        behind it, with the exception as ``result`` if it failed; ``args`` begin with the observed object. Both are
-        called on the thread of the call. Another pair of the same ``observer`` replaces the first.
+        ``notify_before_function(observable, args)`` is called before it, and
+        ``notify_after_function(observable, result, args)`` after it, with the exception as
+        ``result`` if it failed. ``args`` begin with the observed object. Both are called on the
+        thread of the call. Another pair of one ``observer`` replaces its first.
         """
         observers = self.__dict__.setdefault("_observers", {}).setdefault(key, {})
         observers[id(observer)] = observer, notify_before_function, notify_after_function
@@ -60,16 +64,16 @@ def _notify_after(observable, pairs, result, args):
 
 
 class Signal(Observable):
-    """Something that a model announces by :meth:`emit`."""
+    """Signal that a model sends with :meth:`emit`."""
 
     def emit(self, args=None):
-        """Tells the observers of the model."""
+        """Notify the observers of the model."""
         for model, name in self.models:
             model.notify_signal(name, args)
 
 
 class ObservableMetaclass(type):
-    """Class of models: what a class names in ``__observables__`` tells observers when it is assigned or changed."""
+    """Metaclass of models, which notify observers of changes of their ``__observables__``."""
 
     def __init__(cls, name, bases, members):
         type.__init__(cls, name, bases, members)
@@ -78,7 +82,7 @@ class ObservableMetaclass(type):
 
     @classmethod
     def add(cls, metaclass):
-        """Decorator of a class: puts a class of this metaclass in its place."""
+        """Decorator of a class: replace it by a subclass with this metaclass."""
 
         def remake(decorated):
             names = decorated.__dict__.get(OBSERVABLES, ())
@@ -108,7 +112,7 @@ def _announced(name, first):
 
 
 def _copied(first):
-    """What a class names is the beginning of each of its models, and belongs to none."""
+    """Copy a class attribute as a model's initial value, without the models of the original."""
     found = copy.copy(first) if isinstance(first, (list, set, dict, WrapperBase)) else first
     if isinstance(found, WrapperBase):
         found._models = []

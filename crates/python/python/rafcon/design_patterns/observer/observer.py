@@ -1,10 +1,10 @@
-"""Models that announce changes, and observers that hear of them."""
+"""Models that announce changes, and observers of these models."""
 
 _KINDS = ("assign", "before", "after", "signal")
 
 
 class NotifyInfo(dict):
-    """What an observer learns: entries that are attributes, too; ``info.assign`` and so on say of which kind it is."""
+    """Notification: its entries are also attributes; ``info.assign`` and so on give its kind."""
 
     def __init__(self, flag, *args, **kwargs):
         dict.__init__(self, *args, **kwargs)
@@ -21,10 +21,11 @@ class NotifyInfo(dict):
 
 
 class Observer:
-    """Hears of changes of the models that it observes, by methods decorated with :meth:`observe`.
+    """Observes models, with methods decorated by :meth:`observe`.
 
-    A class with ``__observables__`` and :class:`~rafcon.design_patterns.observer.observable.ObservableMetaclass` is a
-    model itself. A method of the form ``name(self, model, attribute, info)`` is called with a :class:`NotifyInfo`.
+    A class with ``__observables__`` and
+    :class:`~rafcon.design_patterns.observer.observable.ObservableMetaclass` is a model itself. A
+    method of the form ``name(self, model, attribute, info)`` is called with a :class:`NotifyInfo`.
     """
 
     def __init__(self, model=None):
@@ -38,7 +39,7 @@ class Observer:
 
     @classmethod
     def observe(cls, observable, assign=False, before=False, after=False, signal=False):
-        """Decorator: the method hears of an attribute, on these occasions."""
+        """Decorator: notify the method of these kinds of events of an attribute."""
         kinds = {kind for kind, wanted in zip(_KINDS, (assign, before, after, signal)) if wanted}
 
         def mark(method):
@@ -49,49 +50,49 @@ class Observer:
 
     @property
     def observable_to_methods(self):
-        """Name of an attribute to the names of the methods that hear of it."""
+        """Name of an attribute to the names of the methods that observe it."""
         return {observable: {name for name, _kinds in methods} for observable, methods in self._methods.items()}
 
     def observe_model(self, model):
-        """Hears of a model from now on."""
+        """Observe a model from now on."""
         model.register_observer(self)
 
     def relieve_model(self, model):
-        """Hears of a model no longer."""
+        """Stop observing a model."""
         model.unregister_observer(self)
 
     def get_observables(self):
-        """The names of what this model announces."""
+        """Names of the observable attributes of this model."""
         return {name for cls in type(self).__mro__ for name in vars(cls).get("__observables__", ())}
 
     def register_observer(self, observer):
-        """Tells an observer from now on."""
+        """Notify an observer from now on."""
         if all(known is not observer for known in self._registered):
             self._registered.append(observer)
 
     def unregister_observer(self, observer):
-        """Tells an observer no longer."""
+        """Stop notifying an observer."""
         self._registered = [known for known in self._registered if known is not observer]
 
     def notify_observer(self, observer, method, *args, **kwargs):
-        """Calls one method of an observer; a model may do that in its own way."""
+        """Call one method of an observer; a model may override this."""
         return method(*args, **kwargs)
 
     def notify_assign(self, observable, old_value, new_value):
-        """Tells that an attribute was assigned."""
+        """Notify observers of an assignment to an attribute."""
         self._notify("assign", observable, old=old_value, new=new_value)
 
     def notify_before(self, observable, instance, method_name, args, kwargs):
-        """Tells that a method of an attribute is going to be called."""
+        """Notify observers before a method of an attribute is called."""
         self._notify("before", observable, instance=instance, method_name=method_name, args=args, kwargs=kwargs)
 
     def notify_after(self, observable, instance, method_name, result, args, kwargs):
-        """Tells that a method of an attribute was called."""
+        """Notify observers after a method of an attribute was called."""
         call = {"instance": instance, "method_name": method_name, "args": args, "kwargs": kwargs}
         self._notify("after", observable, result=result, **call)
 
     def notify_signal(self, observable, args):
-        """Tells that a signal was emitted."""
+        """Notify observers of a signal."""
         self._notify("signal", observable, arg=args)
 
     def _notify(self, kind, observable, **about):

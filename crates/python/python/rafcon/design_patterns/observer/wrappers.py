@@ -1,4 +1,4 @@
-"""Lists, sets and dictionaries that tell a model when they are changed."""
+"""Lists, sets and dictionaries that notify a model of changes."""
 
 import functools
 
@@ -11,37 +11,37 @@ _DICT = "clear pop popitem setdefault update __delitem__ __setitem__".split()
 
 
 class WrapperBase:
-    """Something that belongs to models, each by the name of an attribute."""
+    """Base of values that belong to models, each by the name of an attribute."""
 
     def __init__(self):
         self._models = []
 
     @property
     def models(self):
-        """(model, name of the attribute), of all models."""
+        """Pairs of model and attribute name."""
         return list(self.__dict__.get("_models", ()))
 
     def add_model(self, model, observable):
-        """Tells this model, too, by this name."""
+        """Notify this model too, with this name of the attribute."""
         self.__dict__.setdefault("_models", []).append((model, observable))
 
     def remove_model(self, model, observable):
-        """Tells this model no longer."""
+        """Stop notifying this model."""
         self.__dict__["_models"] = [pair for pair in self.models if pair[0] is not model or pair[1] != observable]
 
     def notify_before(self, instance, name, args, kwargs):
-        """Tells the models that a method is going to be called."""
+        """Notify the models before a method is called."""
         for model, observable in self.models:
             model.notify_before(observable, instance, name, args, kwargs)
 
     def notify_after(self, instance, name, value, args, kwargs):
-        """Tells the models that a method was called."""
+        """Notify the models after a method was called."""
         for model, observable in self.models:
             model.notify_after(observable, instance, name, value, args, kwargs)
 
 
 class Wrapper(WrapperBase):
-    """Stands for an object; calls of some of its methods are announced."""
+    """Proxy of an object that announces calls of some of its methods."""
 
     def __init__(self, obj, methods):
         WrapperBase.__init__(self)
@@ -70,7 +70,7 @@ class Wrapper(WrapperBase):
 
 
 class IterableWrapper(Wrapper):
-    """Stands for a collection."""
+    """Proxy of a collection."""
 
     def __len__(self):
         return len(self._obj)
@@ -83,7 +83,7 @@ class IterableWrapper(Wrapper):
 
 
 def _announce(cls, names):
-    """Python finds special methods at the class only."""
+    """Define special methods at the class: Python ignores those of objects."""
     for name in names:
         if name.startswith("__"):
             setattr(cls, name, _special(name))
@@ -99,7 +99,7 @@ def _special(name):
 
 
 class ListWrapper(IterableWrapper):
-    """A list that tells when it is changed."""
+    """List that notifies its models of changes."""
 
     def __init__(self, obj):
         IterableWrapper.__init__(self, obj, _LIST)
@@ -109,14 +109,14 @@ class ListWrapper(IterableWrapper):
 
 
 class SetWrapper(IterableWrapper):
-    """A set that tells when it is changed."""
+    """Set that notifies its models of changes."""
 
     def __init__(self, obj):
         IterableWrapper.__init__(self, obj, _SET)
 
 
 class DictWrapper(IterableWrapper):
-    """A dictionary that tells when it is changed."""
+    """Dictionary that notifies its models of changes."""
 
     def __init__(self, obj):
         IterableWrapper.__init__(self, obj, _DICT)
@@ -131,7 +131,7 @@ _announce(DictWrapper, _DICT)
 
 
 def wrapped(value, model, observable):
-    """A value as the attribute of a model: collections and signals tell the model from now on."""
+    """Wrap a value as an attribute of a model; collections and signals notify the model."""
     for kind, wrapper in ((list, ListWrapper), (set, SetWrapper), (dict, DictWrapper)):
         if type(value) is kind:
             value = wrapper(value)

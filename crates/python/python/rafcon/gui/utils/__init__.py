@@ -1,4 +1,4 @@
-"""What scripts can use without a desktop: in a run, its dialogs too (:mod:`rafcon.gui.utils.dialog`)."""
+"""Helpers for scripts without a desktop; in a run also :mod:`rafcon.gui.utils.dialog`."""
 
 from rafcon._lazy import submodules
 
@@ -6,4 +6,4 @@ __getattr__ = submodules(__name__)
 
 
 def wait_for_gui():
-    """Nothing to wait for."""
+    """Return at once: there is no window."""

@@ -1,4 +1,4 @@
-"""Dialogs of old scripts, as questions of the run: they ask wherever somebody watches it, without a desktop."""
+"""Dialogs of old scripts as questions of the run, answered where the run is watched."""
 
 import html
 import re
@@ -10,7 +10,7 @@ _OK = -5
 
 
 class _Dialog:
-    """A window that is a question; ``run`` asks it and returns the number of the button, from 1."""
+    """Dialog that is a question; ``run`` asks it and returns the number of the button, from 1."""
 
     def __init__(self, markup_text="", button_texts=(), title=None, **_looks):
         title, text = _plain(title), _plain(markup_text)
@@ -19,7 +19,7 @@ class _Dialog:
         self._response = None
 
     def run(self):
-        """Asks, and waits for the answer."""
+        """Ask, and wait for the answer."""
         self._response = None
         pressed = self._ask()
         return pressed + 1 if self._response is None else self._response
@@ -28,38 +28,38 @@ class _Dialog:
         return dialog.ask(self._message, self._buttons).button
 
     def response(self, response_id):
-        """Answers for the user."""
+        """Set the result of ``run`` on behalf of the user."""
         self._response = response_id
 
     def connect(self, _signal, _function, *_arguments):
-        """Signals of windows (keys, clicks) never come."""
+        """Ignore the function: signals of windows (keys, clicks) never occur."""
         return 0
 
     def show_all(self):
-        """Nothing to show before it asks."""
+        """Do nothing: only ``run`` shows the question."""
 
     def destroy(self):
-        """Nothing to take away."""
+        """Do nothing: there is no window."""
 
 
 class RAFCONButtonDialog(_Dialog):
-    """A text and buttons."""
+    """Text with buttons."""
 
 
 class RAFCONMessageDialog(_Dialog):
-    """A text to be confirmed."""
+    """Text with a button OK."""
 
     def __init__(self, markup_text="", **looks):
         _Dialog.__init__(self, markup_text, ["OK"], **looks)
 
     def run(self):
-        """Asks, and waits for the answer."""
+        """Ask, and wait for the answer."""
         _Dialog.run(self)
         return _OK
 
 
 class RAFCONInputDialog(_Dialog):
-    """A text, a line to fill in, buttons, and a box to tick if it has a label: that is a question of its own."""
+    """Text with an input line and buttons. A labelled checkbox is a second question."""
 
     def __init__(self, markup_text="", button_texts=(), checkbox_text=None, **looks):
         _Dialog.__init__(self, markup_text, button_texts, **looks)
@@ -74,16 +74,16 @@ class RAFCONInputDialog(_Dialog):
         return answer.button
 
     def get_entry_text(self):
-        """What was filled in."""
+        """Text that was entered."""
         return self._entered
 
     def get_checkbox_state(self):
-        """Whether the box was ticked."""
+        """True if the box was ticked."""
         return self._ticked
 
 
 class RAFCONColumnCheckboxDialog(_Dialog):
-    """A text, boxes to tick, and buttons."""
+    """Text with checkboxes and buttons."""
 
     def __init__(self, markup_text="", button_texts=(), checkbox_texts=(), **looks):
         _Dialog.__init__(self, markup_text, button_texts, **looks)
@@ -96,15 +96,15 @@ class RAFCONColumnCheckboxDialog(_Dialog):
         return answer.button
 
     def get_checkbox_states(self):
-        """Which were ticked, in the order of the boxes."""
+        """State of each box, in order."""
         return self._checked
 
 
 def get_root_window():
-    """There is no window."""
+    """Return None: there is no window."""
     return None
 
 
 def _plain(markup):
-    """A text without the marks of the desktop's text format."""
+    """Remove the markup of the desktop's text format."""
     return html.unescape(re.sub(r"</?[a-zA-Z][^<>]*>", "", str(markup or "")))
