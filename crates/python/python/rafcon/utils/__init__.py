@@ -1,4 +1,4 @@
-"""Small helpers that scripts import: logging, constants, nested dictionaries."""
+"""Helpers for scripts: logging, constants, nested dictionaries."""
 
 from rafcon._lazy import submodules
 
@@ -6,7 +6,7 @@ __getattr__ = submodules(__name__)
 
 
 class classproperty(property):
-    """A property of a class: ``Class.name`` calls the function with the class."""
+    """Property of a class: ``Class.name`` calls the function with the class."""
 
     def __get__(self, instance, owner=None):
         owner = type(instance) if owner is None else owner

@@ -1,4 +1,4 @@
-"""Folders for temporary files; they are there once this module is imported."""
+"""Folders for temporary files, created when this module is imported."""
 
 import atexit
 import contextlib
@@ -18,7 +18,10 @@ def _user():
 
 
 def _made():
-    """The folder of this process, and one of its own in it; where none can be made, the first use of it says why."""
+    """Create the folder of this process, and another one inside; return both paths.
+
+    If they cannot be created, errors occur on their first use.
+    """
     base = os.path.join(TEMP_PATH, f"rafcon-{_user()}", str(os.getpid()))
     try:
         os.makedirs(base, exist_ok=True)

@@ -5,7 +5,7 @@ import threading
 
 
 def avoid_parallel_execution(func):
-    """The function is not called while it runs on another thread: that call returns None at once."""
+    """Decorator: return None at once from calls made while the function runs on any thread."""
     runs = threading.Lock()
 
     @functools.wraps(func)

@@ -1,8 +1,9 @@
-"""Logs of runs as tables: of the ``shelve`` files of the reference, and of those that programs write here.
+"""Logs of runs as tables, from ``shelve`` files of the reference or of this package.
 
-``execution_history_items`` is such a file, opened (``shelve.open(name)``): the id of an entry to its content, a
-dictionary. Values in it are pickles; reading them runs code of their classes, so read only logs that you trust.
-``StateMachine.get_last_execution_log_filename`` gives the name of the file of a program's last run.
+``execution_history_items`` is such a file, opened with ``shelve.open(name)``. It maps the id of an
+entry to its content, a dictionary. Its values are pickles: reading them runs code of their classes,
+so read only logs that you trust. ``StateMachine.get_last_execution_log_filename`` returns the name
+of the file of a program's last run.
 """
 
 import pickle
@@ -17,9 +18,10 @@ _CONCURRENT = ("BarrierConcurrencyState", "PreemptiveConcurrencyState")
 
 
 def log_to_raw_structure(execution_history_items):
-    """(start, previous, next, concurrent, grouped): the first entry, and relations of the ids of entries.
+    """Return (start, previous, next, concurrent, grouped): the first entry, and relations of ids.
 
-    ``concurrent`` has a list: the first entry of each branch. ``grouped`` is the id of a state's run to its entries.
+    ``concurrent`` maps an id to a list with the first entry of each branch. ``grouped`` maps the id
+    of a state's run to its entries.
     """
     start, previous, following, concurrent, grouped = None, {}, {}, {}, {}
     for item in _ordered(execution_history_items):
@@ -41,11 +43,13 @@ def log_to_raw_structure(execution_history_items):
 def log_to_collapsed_structure(
     execution_history_items, throw_on_pickle_error=True, include_erroneous_data_ports=False, full_next=False
 ):
-    """(start, next, concurrent, hierarchy, items): a state's run is one entry with its call and its return.
+    """Return (start, next, concurrent, hierarchy, items), with one entry for each run of a state.
 
-    ``items`` is the id of the run to the entry, the others relate these ids: ``next`` the one after it in the same
-    container, ``concurrent`` the branches, ``hierarchy`` the first one inside. ``full_next`` also relates a run that
-    ends its container to what comes after the container. A value that cannot be read is an error, or left out.
+    An entry contains the call and the return. ``items`` maps the id of a run to its entry. The
+    other dictionaries relate these ids: ``next`` to the following run in the container,
+    ``concurrent`` to the branches, ``hierarchy`` to the first run inside. ``full_next`` also
+    relates a run that ends its container to the successor of the container. A value that cannot be
+    read raises an error, or is skipped if ``throw_on_pickle_error`` is False.
     """
     values = _Values(throw_on_pickle_error, include_erroneous_data_ports)
     start, _previous, _following, _concurrent, grouped = log_to_raw_structure(execution_history_items)
@@ -68,9 +72,9 @@ def log_to_DataFrame(
     semantic_data_columns=(),
     throw_on_pickle_error=True,
 ):
-    """A ``pandas.DataFrame`` with a row for each run of a state, by the time of its call; needs ``pandas``.
+    """Table of runs: a ``pandas.DataFrame`` with a row per run, ordered by call; needs pandas.
 
-    The columns of values name ports and keys; each is a column ``data_ins__name`` and so on.
+    The arguments ``…_columns`` name ports and keys. Each is a column ``data_ins__name`` and so on.
     """
     import pandas
 
@@ -102,14 +106,14 @@ def _ordered(items):
 
 
 class _Values:
-    """Reads pickled values."""
+    """Reader of pickled values."""
 
     def __init__(self, is_strict, keeps_errors):
         self._is_strict = is_strict
         self._keeps_errors = keeps_errors
 
     def read(self, pickled):
-        """Name to value; a name with ``!`` in front could not be pickled."""
+        """Read values by name. A prefix ``!`` of a name marks a value that could not be pickled."""
         found = {}
         for name, value in pickled.items():
             if name.startswith("!"):
@@ -144,7 +148,7 @@ def _collapsed(entries, values):
 
 
 class _Relations:
-    """How the runs of states follow one another, found by going through the log once."""
+    """Relations between the runs of states, collected in one pass through the log."""
 
     def __init__(self):
         self.next, self.concurrent, self.hierarchy = {}, {}, {}
@@ -153,7 +157,7 @@ class _Relations:
         self._seen = set()
 
     def add(self, item):
-        """Goes one entry further."""
+        """Process the next entry."""
         run, path = item["run_id"], item["path"]
         if item["item_type"] == "StateMachineStartItem":
             self._last[None] = run
@@ -174,7 +178,7 @@ class _Relations:
         self._open[path] = run, is_concurrent
 
     def lead_out(self):
-        """Relates the last run of a container to what comes after the container."""
+        """Relate the last run of a container to the successor of the container."""
         for parent, last in self._last.items():
             above = parent
             while above is not None and above not in self.next:

@@ -2,5 +2,5 @@
 
 
 def call_gui_callback(callback, *args, **kwargs):
-    """Calls a function that wants the thread of the desktop; here there is none, so it is called directly."""
+    """Call a function directly, because there is no desktop thread to run it on."""
     return callback(*args, **kwargs)

@@ -1,11 +1,11 @@
-"""Hashes of objects by what they hold."""
+"""Hashes of objects by their content."""
 
 
 class Hashable:
-    """Base of classes whose objects are hashed by their content, as it is at the moment."""
+    """Base of classes whose objects are hashed by their current content."""
 
     def mutable_hash(self, obj_hash=None):
-        """The hash, added to ``obj_hash`` if one is given."""
+        """Hash object with the content added: ``obj_hash``, or a new SHA-256."""
         import hashlib  # as late as this, for it is rarely wanted
 
         obj_hash = hashlib.sha256() if obj_hash is None else obj_hash
@@ -13,17 +13,17 @@ class Hashable:
         return obj_hash
 
     def update_hash(self, obj_hash):
-        """Adds the content to a hash: the attributes of the object."""
+        """Add the attributes of the object to a hash."""
         Hashable.update_hash_from_dict(obj_hash, vars(self))
 
     @staticmethod
     def get_object_hash_string(object_):
-        """The text (``bytes``) of a single value."""
+        """Text of a value, encoded as UTF-8."""
         return str(object_).encode("utf-8", "backslashreplace")
 
     @staticmethod
     def update_hash_from_dict(obj_hash, object_):
-        """Adds an object to a hash: neither a dictionary's order counts nor a set's, a list's does."""
+        """Add an object to a hash; order only matters in lists and tuples."""
         if isinstance(object_, Hashable):
             object_.update_hash(obj_hash)
         elif isinstance(object_, dict):

@@ -1,4 +1,4 @@
-"""Translations: the built-in function ``_`` that programs use for their texts."""
+"""Translations by the built-in function ``_``, which programs use for their texts."""
 
 import builtins
 import gettext
@@ -12,7 +12,10 @@ _DOMAIN = "rafcon"
 
 
 def setup_l10n(logger=None):
-    """Makes ``_`` a built-in function that translates by the user's locale; what has no translation stays as it is."""
+    """Make ``_`` a built-in function that translates texts to the user's locale.
+
+    Texts without a translation are returned unchanged.
+    """
     logger = logger or get_logger(__name__)
     try:
         locale.setlocale(locale.LC_ALL, "")
@@ -24,4 +27,4 @@ def setup_l10n(logger=None):
 
 
 def create_mo_files(logger):
-    """Nothing to do: this package ships no texts to be translated."""
+    """Do nothing: this package has no texts to translate."""

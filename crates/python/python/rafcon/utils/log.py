@@ -1,4 +1,4 @@
-"""Loggers of a machine: below the logger ``rafcon``, with the level VERBOSE under DEBUG."""
+"""Loggers of a machine, below the logger ``rafcon``, with a level VERBOSE below DEBUG."""
 
 import functools
 import logging
@@ -9,11 +9,11 @@ VERBOSE = 5
 
 
 class RAFCONDeprecationWarning(DeprecationWarning):
-    """Something still works, and will go. Each is shown once."""
+    """A function still works and will be removed. Each warning is shown once."""
 
 
 def _verbose(self, message, *arguments, **named):
-    """Logs at level VERBOSE."""
+    """Log at level VERBOSE."""
     if self.isEnabledFor(VERBOSE):
         self._log(VERBOSE, message, arguments, **named)
 
@@ -25,14 +25,14 @@ logging.Logger.verbose = _verbose
 
 
 def get_logger(name):
-    """The logger ``rafcon.<name>``; a name that begins with ``rafcon`` is taken as it is."""
+    """Logger ``rafcon.<name>``; a name that begins with ``rafcon`` is used unchanged."""
     if name == "rafcon" or name.startswith("rafcon."):
         return logging.getLogger(name)
     return logging.getLogger("rafcon." + name)
 
 
 def log_exceptions(logger=None):
-    """Decorator: an exception of the function is logged, and raised again."""
+    """Decorator: log an exception of the function, and raise it again."""
 
     def decorate(function):
         @functools.wraps(function)

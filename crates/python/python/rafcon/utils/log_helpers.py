@@ -4,19 +4,19 @@ import logging
 
 
 class NoHigherLevelFilter(logging.Filter):
-    """Lets records pass that are below a level."""
+    """Filter that passes records below a level."""
 
     def __init__(self, level):
         logging.Filter.__init__(self)
         self.level = level
 
     def filter(self, record):
-        """Whether a record passes."""
+        """True if the record is below the level."""
         return record.levelno < self.level
 
 
 class LoggingViewHandler(logging.Handler):
-    """Hands each record to the views that were added, for whoever shows a log in a window of their own."""
+    """Handler that passes each record to the added views, for programs that display a log."""
 
     _views = {}
 
@@ -24,7 +24,7 @@ class LoggingViewHandler(logging.Handler):
         logging.Handler.__init__(self)
 
     def emit(self, record):
-        """Calls ``view.print_message(text, level)`` of each view."""
+        """Call ``view.print_message(text, level)`` for each view."""
         try:
             message = self.format(record)
             for view in list(self._views.values()):
@@ -34,10 +34,10 @@ class LoggingViewHandler(logging.Handler):
 
     @classmethod
     def add_logging_view(cls, name, view):
-        """Adds a view under a name."""
+        """Add a view with a name."""
         cls._views[name] = view
 
     @classmethod
     def remove_logging_view(cls, name):
-        """Takes the view of a name away."""
+        """Remove the view with a name."""
         cls._views.pop(name, None)

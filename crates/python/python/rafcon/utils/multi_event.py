@@ -1,10 +1,14 @@
-"""One event that is set as long as one of several is."""
+"""Combination of several events in one."""
 
 import threading
 
 
 def create(*events):
-    """A ``threading.Event`` that follows others: set if one of them is. They are given one by one, or as an iterable."""
+    """Create a ``threading.Event`` that is set while at least one of the events is set.
+
+    ``events`` are single arguments or one iterable. Their methods ``set`` and ``clear`` are
+    replaced.
+    """
     events = list(events[0] if len(events) == 1 and not hasattr(events[0], "is_set") else events)
     combined = threading.Event()
     lock = threading.Lock()

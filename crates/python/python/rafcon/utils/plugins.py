@@ -1,4 +1,7 @@
-"""Plugins: packages named by ``RAFCON_PLUGIN_PATH``. A run loads them by itself; these calls are for other programs."""
+"""Plugins: packages in ``RAFCON_PLUGIN_PATH``, loaded automatically in runs.
+
+The functions here are for other programs.
+"""
 
 from rafcon._runtime import hooks
 
@@ -7,25 +10,25 @@ plugin_dict = hooks.plugins
 
 
 def load_plugins():
-    """Imports the plugins; one that fails is logged and left out."""
+    """Import the plugins; one that fails is logged and skipped."""
     hooks.import_plugins()
 
 
 def run_hook(hook_name, *args, **kwargs):
-    """Calls a hook of every plugin that has it; what one raises comes here."""
+    """Call a hook of every plugin that has it, and pass on its exceptions."""
     hooks.call(hook_name, *args, **kwargs)
 
 
 def run_pre_inits():
-    """Calls ``pre_init``; one that fails is logged."""
+    """Call ``pre_init`` of each plugin, and log exceptions."""
     hooks.call_guarded("pre_init")
 
 
 def run_post_inits(setup_config):
-    """Calls ``post_init`` with the arguments of the program, name to value; one that fails is logged."""
+    """Call ``post_init`` with the arguments of the program, name to value, and log exceptions."""
     hooks.call_guarded("post_init", setup_config)
 
 
 def run_on_state_machine_execution_finished():
-    """Calls ``on_state_machine_execution_finished``; one that fails is logged."""
+    """Call ``on_state_machine_execution_finished`` of each plugin, and log exceptions."""
     hooks.finished()

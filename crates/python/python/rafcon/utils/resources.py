@@ -1,4 +1,4 @@
-"""Folders in which programs look for shared files."""
+"""Search in the folders for shared files."""
 
 import os
 import sys
@@ -11,11 +11,11 @@ share_folder_paths = [xdg_user_data_folder, os.path.join(sys.prefix, "share"), "
 
 
 def search_in_share_folders(*rel_path):
-    """The first file or folder of this relative path in any of the folders, or None."""
+    """First file or folder with this relative path in any of the folders, or None."""
     candidates = (os.path.join(folder, *rel_path) for folder in share_folder_paths)
     return next((path for path in candidates if os.path.exists(path)), None)
 
 
 def get_data_file_path(*rel_path):
-    """As ``search_in_share_folders``, below the folder ``rafcon`` of each."""
+    """First file or folder with this path below the folder ``rafcon`` of any of them, or None."""
     return search_in_share_folders("rafcon", *rel_path)

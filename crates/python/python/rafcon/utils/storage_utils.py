@@ -1,4 +1,4 @@
-"""JSON and YAML files of state machines as plain dictionaries, and times as they have them."""
+"""JSON and YAML files of state machines as plain dictionaries, and their format of times."""
 
 import json
 import time
@@ -10,26 +10,29 @@ TIME_STRING_FORMAT = "%Y-%m-%d %H:%M:%S"
 
 
 def get_current_time_string():
-    """The time, in UTC."""
+    """Current time in UTC, as text."""
     return time.strftime(TIME_STRING_FORMAT, time.gmtime())
 
 
 def load_objects_from_json(path, as_dict=False):
-    """What a JSON file holds; with ``as_dict`` as it stands there, else with tuples, types and objects made of it."""
+    """Content of a JSON file, with tuples, types and objects; with ``as_dict``, unconverted."""
     with open(path, encoding="utf-8") as file:
         text = file.read()
     return json.loads(text) if as_dict else decode(text)
 
 
 def write_dict_to_json(dictionary, path, **kwargs):
-    """Writes a dictionary: tuples, sets and types as in files of machines. ``kwargs`` go to ``json.dumps``."""
+    """Write a dictionary to a JSON file, with tuples, sets and types as in files of machines.
+
+    ``kwargs`` are passed to ``json.dumps``.
+    """
     options = {"indent": 4, "sort_keys": True, **kwargs}
     with open(path, "w", encoding="utf-8") as file:
         file.write(json.dumps(_plain(dictionary), **options))
 
 
 def load_dict_from_yaml(path):
-    """The dictionary of a YAML file; needs the package PyYAML."""
+    """Dictionary of a YAML file; needs the package PyYAML."""
     import yaml
 
     with open(path, encoding="utf-8") as file:

@@ -1,4 +1,4 @@
-"""How long something took."""
+"""Measurement of durations."""
 
 import functools
 import time
@@ -7,10 +7,10 @@ from rafcon.utils.log import get_logger
 
 
 class Timer:
-    """Measures how long something took, and logs it: a block (``with Timer(logger, name):``), or from start to stop."""
+    """Timer that logs a duration, of a block (``with Timer(logger, name):``) or until ``stop``."""
 
     def __init__(self, logger, name="", continues=True):
-        """``continues``: times from start to stop add up; else each start begins anew."""
+        """With ``continues``, add up durations; without it, each start resets the timer."""
         self._logger = logger
         self._name = name
         self._continues = continues
@@ -20,7 +20,7 @@ class Timer:
         self.count = 0
 
     def start(self):
-        """Begins, and returns how often it has begun."""
+        """Start the timer; return the number of starts."""
         if not self._continues:
             self._duration_s = 0.0
         self._begun_s = time.perf_counter()
@@ -28,18 +28,18 @@ class Timer:
         return self.count
 
     def stop(self, key=""):
-        """Ends, and logs the time; ``key`` is put behind the name."""
+        """Stop the timer and log the duration; ``key`` is appended to the name."""
         self._duration_s, self._begun_s = self.duration, None
         name = " ".join(filter(None, (self._name, str(key)))) or "the block"
         self._logger.info("%s took %.6f s", name, self._duration_s)
 
     def reset(self):
-        """Forgets what was measured."""
+        """Reset the duration and the number of starts."""
         self._begun_s, self._duration_s, self.count = None, 0.0, 0
 
     @property
     def duration(self):
-        """The time (s) that was measured so far."""
+        """Duration (s) measured until now."""
         running_s = 0.0 if self._begun_s is None else time.perf_counter() - self._begun_s
         return self._duration_s + running_s
 
@@ -52,7 +52,7 @@ class Timer:
 
 
 def measure_time(function):
-    """Decorator: logs how long each call took."""
+    """Decorator: log the duration of each call."""
 
     @functools.wraps(function)
     def wrapper(*arguments, **named):

@@ -1,10 +1,10 @@
-"""Types and values from text, as ports of a machine take them."""
+"""Types and values parsed from text, by the rules for ports of a machine."""
 
 from rafcon._types import convert, resolve_type
 
 
 def convert_string_to_type(string_value):
-    """The type of a name; a type is returned as it is. ``ValueError`` if there is no such type."""
+    """Type with this name; a type is returned unchanged. ``ValueError`` if there is none."""
     if isinstance(string_value, type):
         return string_value
     if string_value is None:
@@ -16,7 +16,7 @@ def convert_string_to_type(string_value):
 
 
 def convert_string_value_to_type_value(string_value, data_type):
-    """The value that a text stands for in a port of a type. ``AttributeError`` if it stands for none."""
+    """Parse a text as a value of a port's type. ``AttributeError`` if it is not valid."""
     try:
         return convert(string_value, f"{data_type.__module__}.{data_type.__qualname__}")
     except ValueError as error:
@@ -24,19 +24,19 @@ def convert_string_value_to_type_value(string_value, data_type):
 
 
 def type_inherits_of_type(inheriting_type, base_type):
-    """Whether the first type is the second, or inherits from it."""
+    """True if the first type is the second one or a subclass of it."""
     return issubclass(inheriting_type, base_type)
 
 
 def type_name(data_type):
-    """The dotted name of a type; a name is returned as it is."""
+    """Dotted name of a type; a name is returned unchanged."""
     return data_type if isinstance(data_type, str) else f"{data_type.__module__}.{data_type.__qualname__}"
 
 
 def port_default(value, data_type):
-    """The default of a port of a type: text is converted, ``AttributeError`` if it cannot be.
+    """Convert a default of a port from text; ``AttributeError`` if the text is not valid.
 
-    ``TypeError`` for another value that is not of the type.
+    Raises ``TypeError`` for another value that is not of the type.
     """
     if isinstance(value, str):
         return convert_string_value_to_type_value(value, data_type)
@@ -46,7 +46,7 @@ def port_default(value, data_type):
 
 
 def named(name):
-    """The name of an element, which is a text that is not empty."""
+    """Return the name of an element; ``ValueError`` if it is no text or empty."""
     of_type(name, str, "a name")
     if not name:
         raise ValueError("a name must have at least one character")
@@ -54,6 +54,6 @@ def named(name):
 
 
 def of_type(value, wanted, what, or_none=False):
-    """Raises ``ValueError`` unless the value is of a type (or, if that is allowed, None)."""
+    """Raise ``ValueError`` unless the value is of a type or, with ``or_none``, None."""
     if not isinstance(value, wanted) and not (or_none and value is None):
         raise ValueError(f"{what} must be of type {wanted.__name__}, not {type(value).__name__}")

@@ -1,10 +1,11 @@
-"""Nested dictionaries that grow as they are read; semantic data is one."""
+"""Nested dictionaries that grow on access, such as semantic data."""
 
 
 class Vividict(dict):
-    """A dictionary with ``str`` keys whose missing entries appear as further ones.
+    """Dictionary with ``str`` keys that creates missing entries as nested dictionaries.
 
-    ``data["tool"]["gripper"] = "open"`` works on an empty one. Dictionaries put in become of this class too.
+    ``data["tool"]["gripper"] = "open"`` works on an empty one. Dictionaries that are added are
+    converted to this class.
     """
 
     def __init__(self, dictionary=None):
@@ -24,33 +25,33 @@ class Vividict(dict):
         dict.__setitem__(self, key, value)
 
     def update(self, *dictionaries, **named):
-        """As ``dict.update``; dictionaries inside are converted."""
+        """Update as ``dict.update``; dictionaries inside are converted."""
         for key, value in dict(*dictionaries, **named).items():
             self[key] = value
 
     def setdefault(self, key, default=None):
-        """As ``dict.setdefault``; a dictionary is converted."""
+        """Set a default as ``dict.setdefault``; a dictionary is converted."""
         if key not in self:
             self[key] = default
         return self[key]
 
     def set_dict(self, new_dict):
-        """Replaces the whole content."""
+        """Replace the whole content."""
         self.clear()
         self.update(new_dict)
 
     def to_dict(self):
-        """A copy of plain dictionaries."""
+        """Copy as plain dictionaries."""
         return Vividict.vividict_to_dict(self)
 
     @classmethod
     def from_dict(cls, dictionary):
-        """One with the content of a dictionary."""
+        """Create one with the content of a dictionary."""
         return cls(dictionary)
 
     @staticmethod
     def vividict_to_dict(vividict, native_strings=False):
-        """A copy of plain dictionaries; ``native_strings`` means nothing: texts are ``str``."""
+        """Copy as plain dictionaries; ``native_strings`` has no effect: texts are ``str``."""
         return {
             key: Vividict.vividict_to_dict(value) if isinstance(value, Vividict) else value
             for key, value in vividict.items()

@@ -1,8 +1,8 @@
-"""ROS 2 from scripts: a node that all states share, and handles that heed preemption.
+"""ROS 2 in scripts: a node that all states share, and handles whose waits end at preemption.
 
-A first state makes the node and puts it, by reference, into the global variable ``rafcon_ros_node``; it also makes the
-dictionaries ``ros_publishers`` and ``ros_clients``, in which the handles keep what they made for the next run.
-Everything needs ROS 2's own packages (``rclpy``).
+The first state creates the node and stores it, by reference, in the global variable
+``rafcon_ros_node``. It also creates the dictionaries ``ros_publishers`` and ``ros_clients``, in
+which the handles keep their objects for the next run. The ROS 2 packages (``rclpy``) are required.
 """
 
 from rafcon._lazy import submodules

@@ -2,7 +2,7 @@
 
 
 def set_field_from_inputs(message, key, inputs):
-    """Sets a field from the input of the same name; ``AttributeError`` if there is no such field or input."""
+    """Set a field from the input with its name; ``AttributeError`` if one of them is missing."""
     if not hasattr(message, key):
         raise AttributeError(f"a {type(message).__name__} has no field `{key}`")
     if key not in inputs:
@@ -11,12 +11,12 @@ def set_field_from_inputs(message, key, inputs):
 
 
 def get_field(message, key):
-    """The value of a field; ``AttributeError`` if there is none, or no message yet."""
+    """Value of a field; ``AttributeError`` if there is no such field, or no message yet."""
     if message is None:
         raise AttributeError(f"there is no message to take the field `{key}` of")
     return getattr(message, key)
 
 
 def replace_chars(message):
-    """A text in one line: line ends become ``char(10)``."""
+    """Convert a text to one line: line ends become ``char(10)``."""
     return str(message).replace("\n", "char(10)")

@@ -1,4 +1,4 @@
-"""What handles need: the node that all states share, and what was made in earlier runs, with a lock for its users."""
+"""Shared objects of handles: the node of all states, and objects of earlier runs with locks."""
 
 import threading
 
@@ -6,7 +6,7 @@ _making = threading.Lock()
 
 
 def available(node):
-    """The node, if there is one; ``RuntimeError`` if not."""
+    """Return the node; ``RuntimeError`` if there is none."""
     if node is None:
         raise RuntimeError(
             "there is no ROS 2 node in the global variable `rafcon_ros_node`; a state that makes it "
@@ -16,7 +16,10 @@ def available(node):
 
 
 def shared(gvm, variable, name, make):
-    """(object, lock) kept under a name in the dictionary of a global variable; ``make()`` makes a missing object."""
+    """Return (object, lock) of a name from the dictionary in a global variable.
+
+    ``make()`` creates a missing object.
+    """
     with _making:
         kept = gvm.get_variable(variable)
         if kept is None:
@@ -28,6 +31,6 @@ def shared(gvm, variable, name, make):
 
 
 def forget(gvm, variable, name):
-    """Takes an object out of the dictionary."""
+    """Remove an object from the dictionary."""
     with _making:
         (gvm.get_variable(variable) or {}).pop(name, None)

@@ -1,4 +1,4 @@
-"""Publishing messages from a script."""
+"""Publishers for scripts."""
 
 from rafcon.ros._delivery import deliver
 from rafcon.utils.ros2._message import replace_chars, set_field_from_inputs
@@ -10,10 +10,10 @@ _ASK_EVERY_S = 0.05
 
 
 class PublisherHandle:
-    """Publishes messages of one type on one topic; the publisher ``pub`` stays for the next run.
+    """Publishes messages of one type on one topic; the publisher ``pub`` is kept for the next run.
 
-    ``rafcon`` is the script's ``self``. ``pub_msg`` is the message to fill; ``with handle.lock:`` keeps other states
-    from using the publisher meanwhile.
+    ``rafcon`` is the script's ``self``. ``pub_msg`` is the message to fill. ``with handle.lock:``
+    keeps other states from using the publisher.
     """
 
     def __init__(self, rafcon, gvm, pub_msg_def, pub_topic, qos_profile=10, callback_group=None):
@@ -32,19 +32,19 @@ class PublisherHandle:
         return self.node.create_publisher(self.pub_msg_def, self.pub_topic, self.qos_profile, **options)
 
     def set_pub_msg(self, pub_msg):
-        """Takes a whole message."""
+        """Set the whole message."""
         self.pub_msg = pub_msg
 
     def set_pub_msg_field(self, key, value):
-        """Sets a field of the message."""
+        """Set a field of the message."""
         setattr(self.pub_msg, key, value)
 
     def set_pub_msg_field_from_inputs(self, key, inputs):
-        """Sets a field of the message from the input of the same name."""
+        """Set a field of the message from the input with its name."""
         set_field_from_inputs(self.pub_msg, key, inputs)
 
     def wait_for_sub(self, timeout=1):
-        """Waits for a subscriber, until preempted, or for a time (s); nobody but the log learns that none came."""
+        """Wait for a subscriber, at most ``timeout`` (s), or until preempted; log if none came."""
         left_s = timeout
         while self.pub.get_subscription_count() == 0:
             if left_s <= 0:
@@ -55,16 +55,16 @@ class PublisherHandle:
             left_s -= _ASK_EVERY_S
 
     def publish_msg(self):
-        """Publishes the message: ``"success"``."""
+        """Publish the message; return ``"success"``."""
         self.pub.publish(self.pub_msg)
         return "success"
 
     def destroy_publisher(self):
-        """Removes the publisher; the next handle makes a new one."""
+        """Remove the publisher; the next handle creates a new one."""
         forget(self.gvm, _PUBLISHERS, self.pub_topic)
         deliver([self.pub])
         self.node.destroy_publisher(self.pub)
 
     def replace_chars(self, message):
-        """A text in one line: line ends become ``char(10)``."""
+        """Convert a text to one line: line ends become ``char(10)``."""
         return replace_chars(message)

@@ -1,4 +1,4 @@
-"""The ROS 2 node of a state machine."""
+"""ROS 2 node of a state machine."""
 
 import rclpy
 import rclpy.duration
@@ -18,10 +18,10 @@ _TRANSFORMS_S = 60
 
 
 class RafconRosNode(Node):
-    """A node that all states share: a first state makes it and puts it into ``rafcon_ros_node``, by reference.
+    """Node that all states share; the first state stores it, by reference, in ``rafcon_ros_node``.
 
-    ``tf_buffer`` keeps the transforms that ``tf_listener`` hears of. Where ``tf2_ros`` is not installed both are None,
-    and the log says so.
+    ``tf_buffer`` keeps the transforms that ``tf_listener`` receives. If ``tf2_ros`` is not
+    installed, both are None, and a warning is logged.
     """
 
     def __init__(self, node_name, namespace=""):

@@ -1,4 +1,4 @@
-"""The thread that serves a ROS 2 node."""
+"""Thread that serves a ROS 2 node."""
 
 import threading
 
@@ -11,9 +11,9 @@ _END_S = 1.0
 
 
 class ROSThread:
-    """Spins an executor for a node, until nobody holds this object any more: then node, executor and ROS 2 shut down.
+    """Spins an executor for a node until this object is released; then shuts down both and ROS 2.
 
-    So the global variable that keeps it is deleted to end it.
+    To end it, delete the global variable that keeps it.
     """
 
     def __init__(self, executor, node):
@@ -23,7 +23,7 @@ class ROSThread:
         self.rafcon_ros_thread = threading.Thread(target=executor.spin, name="ros", daemon=True)
 
     def start_thread(self):
-        """Begins."""
+        """Start the thread."""
         self.rafcon_ros_thread.start()
 
     def __del__(self):

@@ -1,4 +1,4 @@
-"""Calling services from a script."""
+"""Service clients for scripts."""
 
 from rafcon._wakeup import Wakeup
 from rafcon.utils.ros2._message import get_field, replace_chars, set_field_from_inputs
@@ -10,10 +10,10 @@ _ASK_EVERY_S = 0.05
 
 
 class ServiceClientHandle:
-    """Calls one service; the client ``cli`` stays for the next run.
+    """Calls one service; the client ``cli`` is kept for the next run.
 
-    ``rafcon`` is the script's ``self``. ``srv_req`` is the request to fill, ``srv_resp`` the response or None;
-    ``with handle.lock:`` keeps other states from using the client meanwhile.
+    ``rafcon`` is the script's ``self``. ``srv_req`` is the request to fill, ``srv_resp`` the
+    response or None. ``with handle.lock:`` keeps other states from using the client.
     """
 
     def __init__(self, rafcon, gvm, srv_def, srv_name, callback_group=None):
@@ -32,33 +32,33 @@ class ServiceClientHandle:
         return self.node.create_client(self.srv_def, self.srv_name, callback_group=self.callback_group)
 
     def wait_for_srv(self):
-        """Waits for the service: ``"success"`` or ``"preempted"``."""
+        """Wait for the service: ``"success"`` or ``"preempted"``."""
         while not self.cli.service_is_ready():
             if self.rafcon.preemptive_wait(_ASK_EVERY_S):
                 return "preempted"
         return "success"
 
     def set_srv_req(self, srv_req):
-        """Takes a whole request."""
+        """Set the whole request."""
         self.srv_req = srv_req
 
     def set_srv_req_field(self, key, value):
-        """Sets a field of the request."""
+        """Set a field of the request."""
         setattr(self.srv_req, key, value)
 
     def set_srv_req_field_from_inputs(self, key, inputs):
-        """Sets a field of the request from the input of the same name."""
+        """Set a field of the request from the input with its name."""
         set_field_from_inputs(self.srv_req, key, inputs)
 
     def call_srv(self):
-        """Sends the request and does not wait."""
+        """Send the request without waiting for the response."""
         self.srv_resp = None
         self.srv_future = self.cli.call_async(self.srv_req)
 
     def wait_until_srv_completion(self):
-        """Waits for the response: ``"success"``, ``"preempted"``, or ``"aborted"`` if the call failed.
+        """Wait for the response: ``"success"``, ``"preempted"``, or ``"aborted"`` on failure.
 
-        A response that has a text in its field ``error_message`` counts as failed, and stays readable.
+        A response with a text in its field ``error_message`` counts as failed, and stays readable.
         """
         wakeup = Wakeup(self.rafcon)
         self.srv_future.add_done_callback(lambda _future: wakeup.wake())
@@ -75,18 +75,18 @@ class ServiceClientHandle:
         return "success"
 
     def get_srv_resp(self):
-        """The response, or None."""
+        """Response, or None."""
         return self.srv_resp
 
     def get_srv_resp_field(self, key):
-        """A field of the response."""
+        """Field of the response."""
         return get_field(self.srv_resp, key)
 
     def destroy_client(self):
-        """Removes the client; the next handle makes a new one."""
+        """Remove the client; the next handle creates a new one."""
         forget(self.gvm, _CLIENTS, self.srv_name)
         self.node.destroy_client(self.cli)
 
     def replace_chars(self, message):
-        """A text in one line: line ends become ``char(10)``."""
+        """Convert a text to one line: line ends become ``char(10)``."""
         return replace_chars(message)

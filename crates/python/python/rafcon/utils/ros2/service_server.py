@@ -1,13 +1,14 @@
-"""Offering services from a script."""
+"""Service servers for scripts."""
 
 from rafcon.utils.ros2._message import replace_chars
 from rafcon.utils.ros2._shared import available
 
 
 class ServiceServerHandle:
-    """Offers one service until ``destroy_service``: ``srv_callback(request, response)`` returns the response.
+    """Offers a service until ``destroy_service``; ``srv_callback(request, response)`` responds.
 
-    ``rafcon`` is the script's ``self``, ``node`` the node in the global variable ``rafcon_ros_node``.
+    ``rafcon`` is the script's ``self``. ``node`` is the node in the global variable
+    ``rafcon_ros_node``.
     """
 
     def __init__(self, rafcon, node, srv_def, srv_name, srv_callback, callback_group=None):
@@ -20,9 +21,9 @@ class ServiceServerHandle:
         self.ser = node.create_service(srv_def, srv_name, srv_callback, callback_group=callback_group)
 
     def destroy_service(self):
-        """Offers the service no longer."""
+        """Stop offering the service."""
         self.node.destroy_service(self.ser)
 
     def replace_chars(self, message):
-        """A text in one line: line ends become ``char(10)``."""
+        """Convert a text to one line: line ends become ``char(10)``."""
         return replace_chars(message)

@@ -1,4 +1,4 @@
-"""Receiving messages in a script."""
+"""Subscribers for scripts."""
 
 import threading
 
@@ -14,7 +14,8 @@ _TIMEOUT_S = 5
 class SubscriberHandle:
     """Receives messages of one type on one topic; ``sub_msg`` is the last one, or None.
 
-    ``rafcon`` is the script's ``self``, ``node`` the node in the global variable ``rafcon_ros_node``.
+    ``rafcon`` is the script's ``self``. ``node`` is the node in the global variable
+    ``rafcon_ros_node``.
     """
 
     def __init__(self, rafcon, node, sub_msg_def, sub_topic, qos_profile=10, callback_group=None):
@@ -31,15 +32,16 @@ class SubscriberHandle:
         self.sub = node.create_subscription(sub_msg_def, sub_topic, self.sub_callback, qos_profile, **options)
 
     def sub_callback(self, msg):
-        """Takes a message; ROS 2 calls it."""
+        """Store a message; called by ROS 2."""
         with self.sub_msg_lock:
             self.sub_msg = msg
         self._wakeup.wake()
 
     def wait_for_sub_msg(self, timeout=None):
-        """Waits for a message: ``"success"``, or ``"preempted"`` if none came in time or the state is preempted.
+        """Wait for a message, then end the subscription: ``"success"`` or ``"preempted"``.
 
-        ``timeout`` is in s; a negative one waits for ever, without one it is 5 s.
+        ``timeout`` is in s: 5 by default, and endless if negative. The result is ``"preempted"`` if
+        the state is preempted, or if no message arrived in time.
         """
         if timeout is None:
             timeout = _TIMEOUT_S
@@ -51,14 +53,14 @@ class SubscriberHandle:
         return "success" if come else "preempted"
 
     def get_sub_msg(self):
-        """The last message, or None."""
+        """Last message, or None."""
         with self.sub_msg_lock:
             return self.sub_msg
 
     def get_sub_msg_field(self, key):
-        """A field of the last message."""
+        """Field of the last message."""
         return get_field(self.get_sub_msg(), key)
 
     def replace_chars(self, message):
-        """A text in one line: line ends become ``char(10)``."""
+        """Convert a text to one line: line ends become ``char(10)``."""
         return replace_chars(message)

@@ -1,4 +1,4 @@
-"""Transforms of ROS 2 as plain numbers."""
+"""Conversion of ROS 2 transforms to plain numbers."""
 
 
 def tf_from_stamped(tf_stamped):
