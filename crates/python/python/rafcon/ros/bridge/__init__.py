@@ -1,7 +1,7 @@
-"""The bridge: offers the machines of a server to ROS 2. ``rafcon serve --ros`` starts it in a process of its own.
+"""Bridge that offers the machines of a server to ROS 2; a process of ``rafcon serve --ros``.
 
-It is a client of the server's interface like any other (docs/api.md), named ``ros``, with the right of an operator.
-docs/guide/ros.md says what it offers.
+It is a client of the server's interface (docs/api.md), named ``ros``, with the permissions of an
+operator. docs/guide/ros.md lists what it offers.
 """
 
 import json
@@ -11,7 +11,10 @@ __all__ = ["main"]
 
 
 def main():
-    """Reads its settings, one line of JSON, from the standard input, and serves until that ends; returns the exit code."""
+    """Read the settings, one line of JSON, from standard input, and serve until its end.
+
+    Returns the exit code.
+    """
     from rafcon.ros import RosError
     from rafcon.ros.bridge._serving import Bridge
 

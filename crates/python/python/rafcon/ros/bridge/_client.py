@@ -1,4 +1,4 @@
-"""Requests to the server, by the standard library alone."""
+"""Requests to the server, with the standard library only."""
 
 import hashlib
 import http.client
@@ -14,15 +14,15 @@ _SHOWN_MAX = 200
 
 
 class Refused(Exception):
-    """The server has refused a request; the text says why."""
+    """The server has refused a request; the message gives the reason."""
 
 
 class NoAnswer(Exception):
-    """The server could not be reached, or did not answer in time."""
+    """The server could not be reached, or did not respond in time."""
 
 
 class Client:
-    """Asks the server, on any thread."""
+    """Client of the server, for any thread."""
 
     def __init__(self, url, token, fingerprint=None):
         self._address = urllib.parse.urlsplit(url)
@@ -31,11 +31,15 @@ class Client:
         self._kept = threading.local()
 
     def get(self, *path, **query):
-        """The answer to a question; ``path`` names what is asked for, part by part."""
+        """Request a resource; ``path`` is a sequence of its parts. Return the response."""
         return self._ask("GET", _address(path) + ("?" + urllib.parse.urlencode(query) if query else ""), None, ANSWER_S)
 
     def post(self, path, body, patience_s=ANSWER_S):
-        """Has the server do something. Sends it again where a kept connection was gone: requests with an id are idempotent."""
+        """Send a command to the server; return the response.
+
+        A request on a kept connection that has closed is sent again: requests with an id are
+        idempotent.
+        """
         return self._ask("POST", _address(path), json.dumps(body, allow_nan=False), patience_s)
 
     def _ask(self, method, address, body, patience_s):
@@ -96,7 +100,7 @@ class Client:
 
 
 def _address(path):
-    """The path of a URL. A name is one part of it, whatever characters it has."""
+    """Path of a URL; each name is one part of it, whatever its characters."""
     return "".join(["/api/v1", *("/" + urllib.parse.quote(str(part), safe="", errors="replace") for part in path)])
 
 
@@ -105,7 +109,7 @@ def _shortened(address):
 
 
 def _value(text):
-    """The JSON of an answer; None where it is empty or in words of another kind."""
+    """JSON of a response; None if it is empty or no JSON."""
     try:
         return json.loads(text) if text else None
     except ValueError:

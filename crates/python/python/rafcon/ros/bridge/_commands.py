@@ -1,4 +1,4 @@
-"""Services: what machines and runs there are, and commands for a run."""
+"""Services: lists of machines and runs, and commands for a run."""
 
 import contextlib
 import uuid
@@ -27,7 +27,7 @@ _COMMAND_S = 35.0
 
 
 class Commands:
-    """The services of the bridge."""
+    """Services of the bridge."""
 
     def __init__(self, client, watch, machines):
         self._client = client
@@ -35,7 +35,7 @@ class Commands:
         self._machines = machines
 
     def offer(self, tell):
-        """Offers them, as far as their types are known."""
+        """Offer the services whose types are known."""
         callbacks = {name: (lambda _request, name=name: self.command("", name), TRIGGER) for name in SHORT}
         callbacks["command"] = lambda request: self.command(request.run, request.command), COMMAND
         callbacks["list"] = self._list, LIST
@@ -46,7 +46,7 @@ class Commands:
                 tell(f"the service {name} is not offered: {error}")
 
     def command(self, run, word):
-        """Gives a command to a run; an empty name is the only one in progress."""
+        """Send a command to a run; an empty name selects the only run in progress."""
         try:
             command = COMMANDS.get(word)
             if command is None:
@@ -62,7 +62,7 @@ class Commands:
         return _answer(answer.get("reason", "")) if answer.get("answer") == "refused" else {"success": True, "message": run}
 
     def _release(self, run):
-        """Gives control back. A command that was refused has not taken it."""
+        """Release control. A command that was refused has not taken it."""
         with contextlib.suppress(Refused):
             self._client.post(("runs", run, "control"), {"move": "release"})
 

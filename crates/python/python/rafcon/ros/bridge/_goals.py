@@ -1,4 +1,4 @@
-"""Goals: each begins a run, follows it to its end, and stops it when its client cancels."""
+"""Goals: each begins a run, follows it to its end, and stops it after a cancellation."""
 
 import json
 import math
@@ -31,7 +31,7 @@ _FAILURES = ("aborted", "preempted")
 
 @dataclass
 class Asked:
-    """What a goal wants, and how it is told."""
+    """Request of a goal, and functions for its result and feedback."""
 
     machine: object
     inputs: dict
@@ -43,11 +43,11 @@ class Asked:
 
 
 class Refusal(Exception):
-    """A goal is not accepted; the text says why."""
+    """A goal is rejected; the message gives the reason."""
 
 
 class Goals:
-    """All goals of all actions."""
+    """Goals of all actions."""
 
     def __init__(self, client, watch, build, tell):
         self._client = client
@@ -62,7 +62,10 @@ class Goals:
         self.over = None
 
     def accept(self, action, ask):
-        """A function for ``accept`` of an action: the goal is accepted once its run has begun. ``ask(goal)`` says what it wants."""
+        """Create the ``accept`` function of an action: it begins the run of the goal.
+
+        ``ask(goal)`` returns the :class:`Asked`, or raises an exception to reject the goal.
+        """
 
         def accept(goal):
             try:
@@ -112,7 +115,7 @@ class Goals:
         return run
 
     def work(self, received):
-        """The callback of an action: from the beginning of the run to its end."""
+        """Callback of an action: follow the run to its end."""
         asked, run = self._begun.pop(id(received.goal))
         try:
             return self._follow(received, asked, run)
@@ -176,7 +179,7 @@ class Goals:
         return GoalAborted(words, asked.result(run, outcome, outputs, words))
 
     def end(self, why, seconds):
-        """All goals end as aborted with these words; waits until they have."""
+        """Abort all goals with a message; wait for their ends, at most ``seconds``."""
         self.over = why
         self._watch.close()
         with self._lock:
@@ -184,7 +187,7 @@ class Goals:
 
 
 def inputs_of_text(text):
-    """The inputs of ``run_machine``: a JSON object, or nothing."""
+    """Parse the inputs of ``run_machine``: a JSON object, or an empty text."""
     if not text.strip():
         return {}
     try:
@@ -227,7 +230,7 @@ def _finite(text):
 
 
 def run_machine(goal, type_name, choose):
-    """What a goal of ``run_machine`` wants."""
+    """Return the :class:`Asked` of a goal of ``run_machine``."""
     machine = choose(goal.machine)
     if isinstance(machine, str):
         raise Refusal(machine)
@@ -249,7 +252,7 @@ def _words_of_views(outputs):
 
 
 def of_declared(declared, type_name, result_fields, feedback_fields):
-    """A function that says what goals of an action of a machine's own want."""
+    """Create the ``ask`` function for the action that a machine declares."""
 
     def result(run, outcome, outputs, words):
         return _mapping.result_of(result_fields, run, outcome, outputs, words)

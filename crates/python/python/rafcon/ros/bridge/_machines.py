@@ -1,4 +1,4 @@
-"""The machines that a server offers: their names, and which of them declare an action of their own."""
+"""Machines of a server: their names, and the actions that they declare."""
 
 import json
 import pathlib
@@ -15,7 +15,7 @@ _DEPTH_MAX = 32
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine as it lies on disk."""
+    """Machine on disk."""
 
     project: str
     #: Path of its folder in the project.
@@ -25,13 +25,13 @@ class Machine:
 
     @property
     def name(self):
-        """How a goal names it."""
+        """Name of the machine in goals."""
         return f"{self.project}/{self.path}"
 
 
 @dataclass(frozen=True)
 class Declared:
-    """What a machine says about an action of its own."""
+    """Action that a machine declares."""
 
     machine: Machine
     action: str
@@ -41,11 +41,11 @@ class Declared:
 
 
 class WrongDeclaration(Exception):
-    """A machine declares an action that cannot be; the text says why."""
+    """A machine declares an invalid action; the message gives the reason."""
 
 
 def machines(client):
-    """All machines of all projects."""
+    """List all machines of all projects."""
     found = []
     for project in client.get("projects"):
         _gather(client, project, [client.get("projects", project["id"], "tree")], found, 0)
@@ -63,7 +63,10 @@ def _gather(client, project, nodes, found, depth):
 
 
 def chosen(known, text):
-    """The machine that a goal names: ``PROJECT/PATH``, or its folder's path or name where only one has that. Else a text why not."""
+    """Return the machine that a goal names, or a text that explains why there is none.
+
+    A goal names ``PROJECT/PATH``, or the end of the path if only one machine has it.
+    """
     text = text.strip("/")
     by_name = [each for each in known if each.name == text]
     fitting = by_name or [each for each in known if text and ("/" + each.path).endswith("/" + text)]
@@ -76,7 +79,7 @@ def chosen(known, text):
 
 
 def declared(machine):
-    """The action that a machine declares, or None."""
+    """Action that a machine declares, or None; :class:`WrongDeclaration` if it is invalid."""
     if not _may_declare(machine.folder):
         return None
     try:
@@ -98,7 +101,7 @@ def declared(machine):
 
 
 def check_inputs(machine, names):
-    """Says in words what is wrong with the names of inputs, or nothing."""
+    """Describe an input name that the machine does not have; empty if all names are valid."""
     if not names:
         return ""
     try:
@@ -112,7 +115,7 @@ def check_inputs(machine, names):
 
 
 def _may_declare(folder):
-    """Whether the root of a machine has semantic data about ROS; most machines need not be read for that."""
+    """True if semantic data of the machine's root mentions ROS; avoids loading other machines."""
     place = pathlib.Path(folder)
     # Older machines have a folder for their root.
     for file in (place / _FILE, *place.glob("*/" + _FILE)):

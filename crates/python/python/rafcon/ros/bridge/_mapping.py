@@ -1,4 +1,4 @@
-"""What a goal is for a run, and what a run is for its goal. Knows messages and values; asks nobody."""
+"""Mapping of goals to inputs of runs, and of runs to results. Independent of server and ROS."""
 
 import array
 import math
@@ -11,11 +11,11 @@ ACTIVE = ("active", "active_states")
 
 
 class Unfit(Exception):
-    """A value does not fit; the text says which, and the way out."""
+    """A value does not fit; the message names it and gives a remedy."""
 
 
 def plain(value, where="the goal"):
-    """A field of a message as a value of JSON."""
+    """Convert a field of a message to a JSON value; :class:`Unfit` for NaN and infinities."""
     if isinstance(value, Mapping):
         return {name: plain(each, f"{where}.{name}") for name, each in value.items()}
     if isinstance(value, (list, tuple, bytes, array.array)):
@@ -26,12 +26,12 @@ def plain(value, where="the goal"):
 
 
 def inputs_of(goal, ports):
-    """The inputs of a run by the names of its ports, from the goal of an action that a machine declares."""
+    """Inputs of a run by port name, from the goal of an action that a machine declares."""
     return {name: plain(goal[name], name) for name in goal if name in ports}
 
 
 def value_of(output, where):
-    """An output of a run, as the server tells it, as a value for a field."""
+    """Convert an output of a run from the server's encoding to a value of a field."""
     if isinstance(output, dict):
         if "__tuple__" in output:
             return [value_of(each, where) for each in output["__tuple__"]]
@@ -52,14 +52,17 @@ def value_of(output, where):
 
 
 def result_of(fields, run, outcome, outputs, words=""):
-    """The fields of a result: outputs by name, and what is known of the run for the others. ``fields`` says of each whether it is a text."""
+    """Fields of a result: outputs by name, and facts about the run in the other text fields.
+
+    ``fields`` maps the name of each field to True if it is a text.
+    """
     told = {OUTCOME: outcome, RUN: run, **dict.fromkeys(WORDS, words)}
     told = {name: text for name, text in told.items() if fields.get(name) and name not in outputs}
     return {**told, **{name: value_of(value, name) for name, value in outputs.items() if name in fields and value is not None}}
 
 
 def views(outputs):
-    """The names of outputs of which the server has a view only."""
+    """Names of the outputs of which the server only has a view."""
     return [name for name, value in outputs.items() if not _is_whole(value)]
 
 
@@ -72,7 +75,7 @@ def _is_whole(value):
 
 
 def active_states(snapshot):
-    """The innermost active states of a run, each as the names from the root on, joined by ``/``."""
+    """Innermost active states of a run, each as the names from the root, joined by ``/``."""
     active = (snapshot or {}).get("active", ())
     names = {each["path"]: each["name"] or each["path"].rpartition("/")[2] for each in active}
     parents = {path.rpartition("/")[0] for path in names}
@@ -85,13 +88,16 @@ def _named(path, names):
 
 
 def feedback_of(fields, run, active):
-    """The feedback of an action that a machine declares; ``fields`` says of its texts whether they are arrays. Nothing if none fits."""
+    """Feedback of an action that a machine declares; None if no field fits.
+
+    ``fields`` maps the name of each text field to True if it is an array.
+    """
     told = {name: active if is_array else ", ".join(active) for name, is_array in fields.items() if name in ACTIVE}
     return {**told, **({RUN: run} if fields.get(RUN) is False else {})} if told else None
 
 
 def complaints(action, goal_fields, result_fields, inputs, outputs):
-    """What of the type of an action the machine does not have, in words."""
+    """Describe fields of an action's type for which the machine has no port."""
     known = {OUTCOME, RUN, *WORDS}
     said = [f"the goal of {action} has a field `{name}`, and the machine no input of that name" for name in goal_fields if name not in inputs]
     return said + [

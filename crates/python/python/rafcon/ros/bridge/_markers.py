@@ -1,4 +1,4 @@
-"""The topic that shows the runs in progress in rviz: a text for each, above the robot."""
+"""Topic that displays the runs in progress in rviz: a text for each, above the robot."""
 
 from rafcon.ros.bridge._state import OK, WARN, level_of
 
@@ -12,7 +12,7 @@ _COLORS = {OK: (0.2, 0.8, 0.3), WARN: (1.0, 0.7, 0.1)}
 
 
 def markers_of(runs, frame, stamp):
-    """A text for each run in progress, the first at the bottom; all earlier ones go."""
+    """Message with a text for each run in progress, from the bottom up; deletes earlier texts."""
     header = {"frame_id": frame, "stamp": stamp}
     markers = [{"header": header, "ns": "rafcon", "action": _DELETE_ALL}]
     height_m = _LOWEST_M

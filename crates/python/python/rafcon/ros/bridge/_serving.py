@@ -1,4 +1,4 @@
-"""The bridge as a whole: what it offers to ROS, for as long as its server lives."""
+"""The whole bridge, which offers actions, services and topics while its server runs."""
 
 import contextlib
 import os
@@ -25,14 +25,14 @@ _LOOK_S = 1.0
 
 
 def tell(text):
-    """Says a line to whoever started the server."""
+    """Print a line for the program that started the server."""
     # A killed server no longer reads.
     with contextlib.suppress(OSError):
         print(f"ROS: {text}", flush=True)
 
 
 class Bridge:
-    """Everything that is offered."""
+    """Bridge with its node, actions, services and topics."""
 
     def __init__(self, told):
         self._client = Client(told["server"], told["token"], told.get("fingerprint"))
@@ -53,7 +53,7 @@ class Bridge:
         self._server_is_gone = False
 
     def run(self, stream):
-        """Serves until the stream ends, or the node does; returns the exit code."""
+        """Serve until the stream or the node ends; return the exit code."""
         self._begin()
         threading.Thread(target=self._watch.run, name="ros runs", daemon=True).start()
         threading.Thread(target=self._read, args=(stream,), name="ros server", daemon=True).start()
@@ -81,7 +81,7 @@ class Bridge:
         self._news.set()
 
     def _looked(self, runs):
-        """The runs were looked at; on their thread."""
+        """Publish the runs if they have changed; called on the thread of the watch."""
         if runs is not None:
             for topic in self._topics:
                 topic.publish(runs)
@@ -104,12 +104,12 @@ class Bridge:
             tell(f"run_machine is not offered: {error}. Either {WAY_OUT}")
 
     def _known(self):
-        """All machines as they lie on disk; files that have just come are among them."""
+        """All machines on disk, including new ones."""
         self._machines = _machines.machines(self._client)
         return self._machines
 
     def _files_changed(self, revision, before):
-        """Offers what machines declare now; returns the revision of the files that this is of."""
+        """Update the offered actions; return the processed revision of the files."""
         try:
             wanted = self._wanted()
         except (NoAnswer, Refused) as error:
@@ -138,7 +138,7 @@ class Bridge:
         return wanted
 
     def _say(self, text):
-        """Says a line once."""
+        """Print a line once."""
         if text not in self._said:
             self._said.add(text)
             tell(text)
@@ -163,7 +163,7 @@ class Bridge:
 
 
 def _backend():
-    """The back end that knows the bridge's own types without more ado, unless another is wanted."""
+    """Select ``native``, which has the bridge's types, if available; None for the default."""
     if os.environ.get(_node.BACKEND_VARIABLE):
         return None
     try:

@@ -1,4 +1,4 @@
-"""Topics about the runs, and how they stand, for all programs of ROS: of a type that each of them knows."""
+"""Topics with the states of runs, of a type that is available to all programs of ROS."""
 
 from rafcon import ros
 from rafcon.ros import RosError
@@ -9,7 +9,7 @@ OK, WARN, ERROR = 0, 1, 2
 
 
 class Topic:
-    """A latched topic about the runs: who comes late has it at once."""
+    """Latched topic about the runs, so that late subscribers receive it at once."""
 
     def __init__(self, name, type_name, message_of, tell):
         self._name = name
@@ -19,7 +19,7 @@ class Topic:
         self._is_known = True
 
     def publish(self, runs):
-        """Tells how the runs stand."""
+        """Publish the states of the runs."""
         if not self._is_known:
             return
         try:
@@ -30,12 +30,12 @@ class Topic:
 
 
 def state_of(runs):
-    """All runs as ``diagnostic_msgs``."""
+    """Convert all runs to a message of ``diagnostic_msgs``."""
     return {"header": {"stamp": ros.stamp()}, "status": [status_of(each) for each in runs]}
 
 
 def status_of(run):
-    """A run as a status of ``diagnostic_msgs``."""
+    """Convert a run to a status of ``diagnostic_msgs``."""
     values = [("run", run.id), ("machine", run.machine), ("status", run.status), ("outcome", run.outcome)]
     values += [("robot", run.robot)] if run.robot else []
     values += [("active", each) for each in run.active]
@@ -50,7 +50,7 @@ def status_of(run):
 
 
 def level_of(run):
-    """How well a run stands, as ``diagnostic_msgs`` counts."""
+    """Level of a run, as in ``diagnostic_msgs``."""
     if run.is_live:
         return WARN if run.status in ("paused", "stepping") else OK
     return ERROR if run.phase != "finished" or run.outcome == "aborted" else WARN if run.outcome == "preempted" else OK

@@ -1,4 +1,4 @@
-"""How the runs of a server stand: looked at on a thread of its own, for goals that wait and for the topic."""
+"""Polling of a server's runs on a thread of its own, for waiting goals and the topics."""
 
 import threading
 
@@ -13,7 +13,7 @@ _LIVE = ("starting", "live")
 
 
 class RunNow:
-    """One run at the moment it was looked at."""
+    """Run at the time of the last poll."""
 
     def __init__(self, summary, snapshot=None, control=None):
         self.id = summary["id"]
@@ -34,18 +34,18 @@ class RunNow:
 
     @property
     def shown(self):
-        """What readers of the topic are told, for comparison."""
+        """Published values, for comparison."""
         return self.id, self.machine, self.status, self.outcome, self.active, self.reason
 
 
 def _holder(control):
-    """Who holds control of a run, unless they have been silent for so long that anyone may take it."""
+    """Holder of control of a run; None if the holder was silent until others may take it."""
     silent_ms = control.get("now_ms", 0) - control.get("heard_ms", 0)
     return None if silent_ms >= control.get("silence_ms", 0) else control.get("holder")
 
 
 class Watch:
-    """The runs, and what wakes those who wait for one."""
+    """Polls the runs, and wakes threads that wait for one."""
 
     def __init__(self, client, changed, tell):
         self._client = client
@@ -63,7 +63,7 @@ class Watch:
         self.followed = set()
 
     def look(self):
-        """Looks once, and tells those who wait; returns the runs."""
+        """Poll once and wake waiting threads; return the runs."""
         with self._looking:
             return self._look()
 
@@ -93,7 +93,7 @@ class Watch:
         return RunNow(now["run"], now.get("snapshot"), {**now["control"], "now_ms": now["now_ms"]})
 
     def run(self):
-        """Looks until it is closed."""
+        """Poll until ``close``."""
         told = None
         while not self._closed:
             pause_s = IDLE_S
@@ -109,22 +109,22 @@ class Watch:
             self._wanted.clear()
 
     def now(self):
-        """It is looked at once more without a pause."""
+        """Poll again without a pause."""
         self._wanted.set()
 
     def close(self):
-        """Those who wait go on."""
+        """Stop polling and wake waiting threads."""
         self._closed = True
         self._wanted.set()
         with self._news:
             self._news.notify_all()
 
     def find(self, run):
-        """A run as it was looked at last, or None."""
+        """Run as of the last poll, or None."""
         with self._news:
             return self._runs.get(run)
 
     def wait(self, seconds):
-        """Waits for the next look, at most so long."""
+        """Wait for the next poll, at most this time (s)."""
         with self._news:
             self._news.wait(seconds)
