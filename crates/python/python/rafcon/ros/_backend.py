@@ -1,8 +1,8 @@
-"""What lies between ``rafcon.ros`` and ROS 2: the interface of a back end, and the one form in which messages cross it.
+"""Interface of the back ends of ``rafcon.ros``, and the form of messages at this interface.
 
 Names
-    Every name of a topic, service, action or node is absolute when it gets here (``/robot/scan``), every type is
-    spelled in full: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger``, ``nav2_msgs/action/NavigateToPose``.
+    Every name of a topic, service, action or node is absolute (``/robot/scan``), and every type has
+    its full name: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger``, ``nav2_msgs/action/NavigateToPose``.
 
 Messages
     A message is a plain ``dict`` from the name of each field to its value, and holds all fields in the order of the
@@ -21,17 +21,19 @@ Messages
     array of ``bool``, ``string``, of a message  ``list`` of the values above
     ============================================ =============================================================
 
-    Whether an array is fixed, bounded or unbounded makes no difference. A message without fields is ``{}``.
-    What goes *to* a back end is complete and checked against the type; what comes *from* one must be complete as well.
+    Fixed, bounded and unbounded arrays have one form. A message without fields is ``{}``. Messages
+    *to* a back end are complete and checked against the type. Messages *from* it must be complete.
 
 Threads
-    Every method may be called on any thread, and on several at once; none waits for a peer. Callbacks come on a thread
-    of the back end, one after the other in the order in which things happened; they return at once, do not raise, and
-    may call any method of the back end. After ``close()`` of an object no callback of it *begins*.
+    Every method may be called on any thread, and on several at once; none waits for a peer.
+    Callbacks run on a thread of the back end, one after the other in the order of their events.
+    They return at once, do not raise, and may call any method of the back end. After ``close()`` of
+    an object none of its callbacks *begins*.
 
 Failure
-    A method whose back end is lost raises :class:`BackendLost`. What is under way then ends by its own callback
-    (``done(None, why)``, ``failed(why)``), then ``lost(why)`` of :class:`Listener` is called, once.
+    A method whose back end is lost raises :class:`BackendLost`. Each pending operation ends by its
+    own callback (``done(None, why)``, ``failed(why)``). Then ``lost(why)`` of :class:`Listener` is
+    called, once.
 """
 
 from __future__ import annotations
@@ -63,11 +65,11 @@ ACCEPTED, EXECUTING, CANCELING, SUCCEEDED, CANCELED, ABORTED = 1, 2, 3, 4, 5, 6
 
 
 class RosError(Exception):
-    """Something about ROS failed; the text says what, where, and the way out."""
+    """A ROS operation failed; the message gives cause, place and remedy."""
 
 
 class UnknownType(RosError):
-    """No interface of this name is known; the text says where was looked."""
+    """No interface of this name is known; the message lists the places searched."""
 
 
 class BackendLost(RosError):
@@ -75,7 +77,7 @@ class BackendLost(RosError):
 
 
 class Field(NamedTuple):
-    """A field of a message type."""
+    """Field of a message type."""
 
     name: str
     #: One of :data:`PRIMITIVES`, or the full name of a message type.
@@ -91,7 +93,7 @@ class Field(NamedTuple):
 
 
 class MessageType(NamedTuple):
-    """A message type; also the request of a service, the goal of an action and so on."""
+    """Message type; also a request of a service, a goal of an action and so on."""
 
     #: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger_Request``, ``nav2_msgs/action/NavigateToPose_Goal``.
     name: str
@@ -101,7 +103,7 @@ class MessageType(NamedTuple):
 
 
 class Qos(NamedTuple):
-    """The quality of service of a publisher or subscription."""
+    """Quality of service of a publisher or subscription."""
 
     #: ``reliable`` or ``best_effort``.
     reliability: str = "reliable"
@@ -112,7 +114,7 @@ class Qos(NamedTuple):
 
 
 class Endpoint(NamedTuple):
-    """A publisher or subscription that somebody has on a topic, the back end's own included."""
+    """Publisher or subscription of a topic, also of the back end itself."""
 
     #: The absolute name of its node; empty if it is unknown yet.
     node: str
@@ -122,7 +124,7 @@ class Endpoint(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """How the node is to be."""
+    """Settings of the node."""
 
     #: The node's name, ``rafcon_…``, and its namespace, which begins with ``/``.
     name: str
@@ -134,181 +136,201 @@ class Settings(NamedTuple):
 
 
 class Listener(Protocol):
-    """What hears about the back end as a whole."""
+    """Receiver of events of the whole back end."""
 
     def lost(self, why: str) -> None:
-        """It has ended without being asked to."""
+        """The back end has ended without a request."""
 
     def changed(self) -> None:
-        """Nodes, endpoints, services or actions may have come or gone. A back end that cannot tell never calls this."""
+        """Nodes, endpoints, services or actions may have changed. Not all back ends call this."""
 
     def say(self, level: str, text: str) -> None:
-        """A line for the log: ``debug``, ``info``, ``warning`` or ``error``."""
+        """Log a line with a level: ``debug``, ``info``, ``warning`` or ``error``."""
 
 
 class Closable(Protocol):
-    """Something that can be given back."""
+    """Resource that can be released."""
 
     def close(self) -> None:
-        """Gives it back; a second call does nothing."""
+        """Release it; a second call does nothing."""
 
 
 class Publisher(Closable, Protocol):
-    """Publishes on one topic."""
+    """Publisher on one topic."""
 
     def publish(self, message: Dict[str, Any]) -> None:
-        """Sends a message; it has left this process (or the back end's) before ``close`` of anything takes effect."""
+        """Send a message; it leaves this process (or the back end's) before any later ``close``."""
 
     def subscribers(self) -> int:
-        """How many subscriptions are matched with it now."""
+        """Number of matched subscriptions."""
 
 
 class Subscription(Closable, Protocol):
-    """Hears one topic."""
+    """Subscription of one topic."""
 
     def publishers(self) -> int:
-        """How many publishers are matched with it now."""
+        """Number of matched publishers."""
 
 
 class Client(Closable, Protocol):
-    """Calls one service."""
+    """Client of one service."""
 
     def servers(self, sent_s: float = math.inf) -> AbstractSet[Optional[bytes]]:
-        """The processes of the servers that a request would reach now; None for those that are not told apart.
+        """Processes of the servers that a request would reach now; None for unknown processes.
 
-        With a time of ``time.monotonic`` without those that were started since in the place of one that died.
-        A server that ends properly is gone at once, one that is killed within 1.5 s while a call waits (the lease of
-        its participant, 20 s by default, is too long: a reliable reader that acknowledges nothing is gone, too).
-        One that lives and is busy stays.
+        With ``sent_s`` (by ``time.monotonic``), servers are excluded that started later in the
+        place of a dead one. A server that ends properly disappears at once, and one that is killed
+        within 1.5 s while a call waits. The lease of its participant, 20 s by default, is too long
+        for that. A reliable reader that acknowledges nothing has disappeared, too. A live but busy
+        server stays.
         """
 
     def send(self, request: Dict[str, Any], done: Callable[[Optional[Dict[str, Any]], Optional[str]], None]) -> Closable:
-        """Sends a request. ``done(response, None)`` or ``done(None, why)`` is called once, unless closed before."""
+        """Send a request. Unless closed before, ``done`` is called once.
+
+        Its arguments are ``(response, None)``, or ``(None, why)`` after a failure.
+        """
 
 
 class GoalEvents(Protocol):
-    """What hears about one goal that was sent."""
+    """Receiver of events of one goal that was sent."""
 
     def accepted(self) -> None:
-        """The server takes the goal; the back end has asked for the result before this is called."""
+        """The server accepts the goal; the back end has requested the result before this call."""
 
     def rejected(self) -> None:
-        """The server does not take it: the last call."""
+        """The server rejects the goal: the last call."""
 
     def feedback(self, message: Dict[str, Any]) -> None:
-        """The server tells about it."""
+        """The server sends feedback."""
 
     def status(self, status: int) -> None:
-        """The server's topic of states has a new state of this goal. Final ones may come before the result, or alone."""
+        """The server's topic of states has a new state of this goal.
+
+        Final states may arrive before the result, or without it.
+        """
 
     def result(self, status: int, message: Dict[str, Any]) -> None:
-        """It ended as ``status`` (SUCCEEDED, CANCELED, ABORTED): the last call."""
+        """The goal ended as ``status`` (SUCCEEDED, CANCELED, ABORTED): the last call."""
 
     def failed(self, why: str) -> None:
-        """Nothing more will be heard of it, for a reason on this side: the last call."""
+        """The goal failed for a reason on this side: the last call."""
 
 
 class Goal(Closable, Protocol):
-    """A goal that was sent. ``close`` lets go of it without cancelling: its events end."""
+    """Goal that was sent. ``close`` ends its events, without cancelling it."""
 
     #: 16 bytes.
     goal_id: bytes
 
     def cancel(self, done: Callable[[Optional[int], Optional[str]], None]) -> None:
-        """Asks the server to cancel, also before it has accepted the goal.
+        """Request cancellation from the server, also before it has accepted the goal.
 
-        ``done(code, None)`` has the answer's ``return_code`` (0: it cancels, 1: refused, 2: unknown goal, 3: ended),
-        ``done(None, why)`` says that none will come. It also works after ``close``.
+        ``done(code, None)`` receives the ``return_code`` of the response (0: cancels, 1: refused,
+        2: unknown goal, 3: ended), ``done(None, why)`` a failure. It also works after ``close``.
         """
 
 
 class ActionClient(Closable, Protocol):
-    """Sends goals to one action. Its ``close`` does not cancel goals; it fails those that are under way."""
+    """Client of one action. ``close`` fails active goals without cancelling them."""
 
     def servers(self, sent_s: float = math.inf) -> AbstractSet[Optional[bytes]]:
-        """The processes of the servers whose services and topics are all matched now; else as in :class:`Client`."""
+        """Processes of servers whose services and topics are all matched; see :class:`Client`."""
 
     def send(self, goal: Dict[str, Any], events: GoalEvents) -> Goal:
-        """Sends a goal under a new id."""
+        """Send a goal with a new id."""
 
 
 class ServiceRequest(Protocol):
-    """A request that came in."""
+    """Received request."""
 
     request: Dict[str, Any]
 
     def answer(self, response: Dict[str, Any]) -> None:
-        """Answers it, on any thread, once; without an answer its caller waits in vain."""
+        """Send the response, on any thread, once; without it, the caller waits in vain."""
 
 
 class ServerGoal(Protocol):
-    """A goal that came in. Exactly one of ``accept`` and ``reject`` is called, soon, on any thread."""
+    """Received goal. Call either ``accept`` or ``reject``, soon, on any thread."""
 
     goal_id: bytes
     goal: Dict[str, Any]
 
     def accept(self, cancel: Callable[[], bool]) -> None:
-        """Takes it; it executes from now on. ``cancel()`` is called when a client wants it cancelled, and says
-        whether that will be done; then the state is CANCELING."""
+        """Accept the goal; it executes from now on.
+
+        ``cancel()`` is called when a client requests cancellation. If it returns True, the state
+        becomes CANCELING.
+        """
 
     def reject(self) -> None:
-        """Does not take it."""
+        """Reject the goal."""
 
     def feedback(self, message: Dict[str, Any]) -> None:
-        """Tells the clients."""
+        """Send feedback to the clients."""
 
     def finish(self, status: int, result: Dict[str, Any]) -> None:
-        """It ended as SUCCEEDED, CANCELED (only while CANCELING) or ABORTED. The result is kept for a while."""
+        """End the goal as SUCCEEDED, CANCELED (only while CANCELING) or ABORTED.
+
+        The result is kept for a while.
+        """
 
 
 class Backend(Protocol):
-    """One node. A class or function that makes it takes nothing; nothing happens before ``start``."""
+    """Back end with one node. Its factory has no arguments, and has no effect before ``start``."""
 
     #: ``rclpy`` or ``native``.
     name: str
 
     def start(self, settings: Settings, listener: Listener) -> None:
-        """Makes the node; raises :class:`RosError` if that is impossible. It may wait for this process's own helper."""
+        """Create the node; :class:`RosError` on failure. May wait for a helper process."""
 
     def close(self) -> None:
-        """Ends it, with everything that was made by it; returns when nothing of it is left running (within 2 s)."""
+        """Close the node with all its objects; return when none of them is running (within 2 s)."""
 
     def describe(self, type_name: str) -> Mapping[str, MessageType]:
-        """The type and all that it is made of, by name; raises :class:`UnknownType`.
+        """Type with all types that it contains, by name; :class:`UnknownType` if it is unknown.
 
-        Of ``std_srvs/srv/Trigger``: ``…Trigger_Request``, ``…Trigger_Response``; of ``p/action/A``: ``p/action/A_Goal``,
-        ``p/action/A_Result``, ``p/action/A_Feedback``; and the messages in their fields.
+        For ``std_srvs/srv/Trigger``: ``…Trigger_Request`` and ``…Trigger_Response``. For
+        ``p/action/A``: ``p/action/A_Goal``, ``p/action/A_Result`` and ``p/action/A_Feedback``.
+        Includes the messages in their fields.
         """
 
     def publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Makes a publisher."""
+        """Create a publisher."""
 
     def subscription(self, topic: str, type_name: str, qos: Qos, heard: Callable[[Dict[str, Any]], None]) -> Subscription:
-        """Hears a topic: ``heard(message)`` for each message."""
+        """Subscribe to a topic; the callback is called with each message."""
 
     def client(self, service: str, type_name: str) -> Client:
-        """Makes a client of a service."""
+        """Create a client of a service."""
 
     def service(self, name: str, type_name: str, asked: Callable[[ServiceRequest], None]) -> Closable:
-        """Offers a service: ``asked(request)`` for each request."""
+        """Offer a service: ``asked(request)`` is called for each request."""
 
     def action_client(self, action: str, type_name: str) -> ActionClient:
-        """Makes a client of an action."""
+        """Create a client of an action."""
 
     def action_server(self, name: str, type_name: str, asked: Callable[[ServerGoal], None]) -> Closable:
-        """Offers an action: ``asked(goal)`` for each goal. ``close`` aborts what executes, with an empty result."""
+        """Offer an action: ``asked(goal)`` is called for each goal.
+
+        ``close`` aborts executing goals, with an empty result.
+        """
 
     def publishers_of(self, topic: str) -> List[Endpoint]:
-        """The publishers that are known of a topic, whatever their types."""
+        """Known publishers on a topic, of any type."""
 
     def subscriptions_of(self, topic: str) -> List[Endpoint]:
-        """The subscriptions that are known of a topic, whatever their types."""
+        """Known subscriptions of a topic, of any type."""
 
     def topics(self) -> Mapping[str, Tuple[str, ...]]:
-        """All topics that are known, with the names of their types."""
+        """All known topics, with the names of their types."""
 
     def services(self) -> Mapping[str, Tuple[str, ...]]:
-        """All services that are known, with the names of their types; those of actions too (``…/_action/send_goal``)."""
+        """All known services, with the names of their types.
+
+        Includes services of actions (``…/_action/send_goal``).
+        """
 
     def nodes(self) -> List[str]:
-        """The absolute names of all nodes that are known, this one included."""
+        """Absolute names of all known nodes, including this one."""

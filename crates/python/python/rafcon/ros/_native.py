@@ -1,4 +1,4 @@
-"""The back end of ``rafcon-ros``, a helper process: for interpreters without ``rclpy``."""
+"""Back end with the helper process ``rafcon-ros``, for interpreters without ``rclpy``."""
 
 import array
 import itertools
@@ -14,7 +14,7 @@ from rafcon.ros._values import MessageError
 
 
 class NativeBackend:
-    """A node in a process of its own, whose crash ends no script."""
+    """Node in a separate process, whose crash does not end scripts."""
 
     name = "native"
 
@@ -31,11 +31,11 @@ class NativeBackend:
 
     @property
     def pid(self):
-        """The number of the helper process."""
+        """Process id of the helper."""
         return self._helper.pid
 
     def start(self, settings, listener):
-        """Starts the helper and makes the node."""
+        """Start the helper and create the node."""
         self._listener = listener
         self._helper = Helper(self._heard, self._ended)
         try:
@@ -51,7 +51,7 @@ class NativeBackend:
             raise
 
     def close(self):
-        """Ends the helper."""
+        """End the helper."""
         if self._helper is not None:
             self._helper.close()
 
@@ -104,7 +104,7 @@ class NativeBackend:
     # ---- requests to the helper
 
     def make(self, what, part, **fields):
-        """Has the helper make something, and keeps it under its handle."""
+        """Create an object in the helper, and register its part under a handle."""
         part._handle = handle = next(self._handles)
         with self._lock:
             self._parts[handle] = part
@@ -117,15 +117,15 @@ class NativeBackend:
         self._changed()
 
     def tell(self, what, **fields):
-        """Has the helper do something."""
+        """Send a command to the helper."""
         self._helper.tell(what, **fields)
 
     def check(self):
-        """Raises :class:`BackendLost` once the helper has ended."""
+        """Raise :class:`BackendLost` if the helper has ended."""
         self._helper.check()
 
     def release(self, handle):
-        """Gives back what is under a handle."""
+        """Release the object of a handle."""
         with self._lock:
             part = self._parts.pop(handle, None)
         self._changed()
@@ -136,7 +136,7 @@ class NativeBackend:
                 pass
 
     def call(self, handle, request, done):
-        """Sends a request; returns the number under which its response is waited for."""
+        """Send a request; return the number that identifies its response."""
         call = next(self._calls)
         with self._lock:
             self._waiting[call] = done
@@ -149,20 +149,23 @@ class NativeBackend:
         return call
 
     def at_end(self, handle, request):
-        """Has the helper send a request if this process ends before :meth:`not_at_end`; returns its number."""
+        """Let the helper send a request if this process ends before :meth:`not_at_end`.
+
+        Returns the number of the request.
+        """
         number = next(self._calls)
         self._helper.tell("at_end", handle=handle, call=number, message=request)
         return number
 
     def not_at_end(self, number):
-        """Cancels :meth:`at_end`."""
+        """Cancel :meth:`at_end`."""
         try:
             self._helper.tell("not_at_end", call=number)
         except BackendLost:
             pass
 
     def forget(self, handle, call):
-        """Nobody waits for a response any more."""
+        """Stop waiting for a response."""
         with self._lock:
             waited = self._waiting.pop(call, None)
         if waited is not None:
@@ -172,7 +175,7 @@ class NativeBackend:
                 pass
 
     def describe(self, type_name):
-        """The type and all that it is made of, by name."""
+        """Type with all types that it contains, by name."""
         self.check()
         descriptions = Descriptions(self, self._helper.ask, self._listener.say)
         try:
@@ -188,27 +191,27 @@ class NativeBackend:
         }
 
     def publisher(self, topic, type_name, qos):
-        """Makes a publisher."""
+        """Create a publisher."""
         return _Publisher(self, topic, type_name, qos)
 
     def subscription(self, topic, type_name, qos, heard):
-        """Hears a topic."""
+        """Subscribe to a topic."""
         return Subscription(self, topic, type_name, qos, heard)
 
     def client(self, service, type_name):
-        """Makes a client of a service."""
+        """Create a client of a service."""
         return Client(self, service, type_name)
 
     def service(self, name, type_name, asked):
-        """Offers a service."""
+        """Offer a service."""
         return Service(self, name, type_name, asked)
 
     def action_client(self, action, type_name):
-        """Makes a client of an action."""
+        """Create a client of an action."""
         return ActionClient(self, action, type_name)
 
     def action_server(self, name, type_name, asked):
-        """Offers an action."""
+        """Offer an action."""
         return ActionServer(self, name, type_name, asked)
 
     # ---- the graph
@@ -231,26 +234,26 @@ class NativeBackend:
         ]
 
     def publishers_of(self, topic):
-        """The publishers that are known of a topic."""
+        """Known publishers on a topic."""
         return self._ends_of(topic, False)
 
     def subscriptions_of(self, topic):
-        """The subscriptions that are known of a topic."""
+        """Known subscriptions of a topic."""
         return self._ends_of(topic, True)
 
     def topics(self):
-        """All topics that are known, with their types."""
+        """All known topics, with their types."""
         found = {}
         for name, _reads, _node, type_name, _reliable, _latched in self._known()["ends"]:
             found.setdefault(name, set()).add(type_name)
         return {name: tuple(sorted(types)) for name, types in sorted(found.items())}
 
     def services(self):
-        """All services that are known, with their types."""
+        """All known services, with their types."""
         return {name: tuple(types) for name, types in self._known()["services"].items()}
 
     def nodes(self):
-        """The names of all nodes that are known."""
+        """Names of all known nodes."""
         return list(self._known()["nodes"])
 
 
@@ -275,7 +278,7 @@ def _refuse_nul(type_name, message):
 
 
 class _Part:
-    """Something that the helper made."""
+    """Object in the helper."""
 
     def __init__(self, backend, what, **fields):
         backend.check()
@@ -291,12 +294,12 @@ class _Part:
         self._open = False
 
     def matched(self):
-        """The number of peers."""
+        """Number of matched peers."""
         self._backend.check()
         return self._matched
 
     def close(self):
-        """Gives it back."""
+        """Release it."""
         if self._open:
             self._open = False
             self._backend.release(self._handle)
@@ -308,24 +311,24 @@ def _topic(topic, type_name, qos):
 
 
 class _Publisher(_Part):
-    """Publishes on one topic."""
+    """Publisher on one topic."""
 
     def __init__(self, backend, topic, type_name, qos):
         self._type_name = type_name
         _Part.__init__(self, backend, "publisher", **_topic(topic, type_name, qos))
 
     def publish(self, message):
-        """Sends a message."""
+        """Send a message."""
         _refuse_nul(self._type_name, message)
         self._backend.tell("publish", handle=self._handle, message=message)
 
     def subscribers(self):
-        """The number of subscriptions that match."""
+        """Number of matched subscriptions."""
         return self.matched()
 
 
 class Subscription(_Part):
-    """Hears one topic."""
+    """Subscription of one topic."""
 
     def __init__(self, backend, topic, type_name, qos, heard):
         self._heard = heard
@@ -336,23 +339,26 @@ class Subscription(_Part):
             self._heard(message)
 
     def publishers(self):
-        """The number of publishers that match."""
+        """Number of matched publishers."""
         return self.matched()
 
 
 class Client(_Part):
-    """Calls one service."""
+    """Client of one service."""
 
     def __init__(self, backend, service, type_name):
         self._type_name = type_name
         _Part.__init__(self, backend, "client", service=service, type=type_name)
 
     def servers(self, sent_s=math.inf):
-        """The processes that serve: the helper tells who waits for one that has gone."""
+        """``{None}`` if a server is matched, else an empty set.
+
+        The helper itself fails calls to servers that have ended.
+        """
         return {None} if self.matched() else set()
 
     def send(self, request, done):
-        """Sends a request."""
+        """Send a request."""
         _refuse_nul(self._type_name + "_Request", request)
         pending = _Pending(self._backend, self._handle, done)
         pending.call = self._backend.call(self._handle, request, pending._come)
@@ -360,7 +366,7 @@ class Client(_Part):
 
 
 class _Pending:
-    """A request that was sent."""
+    """Request that was sent."""
 
     def __init__(self, backend, handle, done):
         self.call = None
@@ -375,14 +381,14 @@ class _Pending:
             self._done(response, why)
 
     def close(self):
-        """Nobody waits for the response any more."""
+        """Stop waiting for the response."""
         if self._open:
             self._open = False
             self._backend.forget(self._handle, self.call)
 
 
 class Service(_Part):
-    """Offers a service."""
+    """Server of a service."""
 
     def __init__(self, backend, name, type_name, asked):
         self._asked = asked
@@ -399,7 +405,7 @@ class Service(_Part):
 
 
 class _Request:
-    """A request that came in."""
+    """Received request."""
 
     def __init__(self, service, number, request):
         self.request = request
@@ -407,5 +413,5 @@ class _Request:
         self._number = number
 
     def answer(self, response):
-        """Answers it."""
+        """Send the response."""
         self._service._answer(self._number, response)

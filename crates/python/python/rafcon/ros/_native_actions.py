@@ -1,4 +1,4 @@
-"""Actions by services and topics, as ROS makes them of those."""
+"""Actions built from services and topics, as ROS 2 does it."""
 
 import math
 import threading
@@ -26,7 +26,7 @@ _CANCELS, _REFUSED, _UNKNOWN, _ENDED = 0, 1, 2, 3
 
 
 class ActionClient:
-    """Sends goals to one action."""
+    """Client of one action."""
 
     def __init__(self, backend, name, type_name):
         self._backend = backend
@@ -50,11 +50,14 @@ class ActionClient:
         return part
 
     def servers(self, sent_s=math.inf):
-        """The processes that serve: the helper tells who waits for one that has gone."""
+        """``{None}`` if all parts are matched, else an empty set.
+
+        The helper itself fails calls to servers that have ended.
+        """
         return {None} if all(part.matched() for part in self._parts) else set()
 
     def send(self, goal, events):
-        """Sends a goal under a new id."""
+        """Send a goal with a new id."""
         sent = _Goal(self, events)
         with self._lock:
             self._goals[sent.goal_id] = sent
@@ -89,7 +92,7 @@ class ActionClient:
                 sent._tell("status", each["status"])
 
     def close(self):
-        """Gives it back; goals that are under way fail."""
+        """Release the client; active goals fail."""
         with self._lock:
             goals, self._goals = list(self._goals.values()), {}
         for sent in goals:
@@ -99,7 +102,7 @@ class ActionClient:
 
 
 class _Goal:
-    """A goal that was sent."""
+    """Goal that was sent."""
 
     def __init__(self, client, events):
         self.goal_id = uuid.uuid4().bytes
@@ -148,11 +151,11 @@ class _Goal:
             self._finish("result", response["status"], response["result"])
 
     def cancel(self, done):
-        """Asks the server to cancel it."""
+        """Request cancellation from the server."""
         self._client._cancels.send(self._cancel_request(), lambda response, why: done(response and response["return_code"], why))
 
     def close(self):
-        """Lets go of it."""
+        """End the events of the goal."""
         self._open = False
         self._client._forget(self.goal_id)
         self._settle()
@@ -164,7 +167,7 @@ def _stamp():
 
 
 class ActionServer:
-    """Offers one action."""
+    """Server of one action."""
 
     def __init__(self, backend, name, type_name, asked):
         self._asked = asked
@@ -259,7 +262,7 @@ class ActionServer:
                 pass
 
     def close(self):
-        """Offers it no longer; what executes is aborted."""
+        """Stop offering the action; executing goals are aborted."""
         with self._lock:
             if not self._open:
                 return
@@ -273,7 +276,7 @@ class ActionServer:
             part.close()
 
     def _wait_taken(self, goals):
-        """Waits until the results of goals that ended a moment ago are requested: many clients request them after the end."""
+        """Wait until results of just ended goals are requested; clients request them late."""
         with self._taken:
             for goal in goals:
                 if goal.ended_s is not None and not goal.is_taken:
@@ -282,7 +285,7 @@ class ActionServer:
 
 
 class _ServerGoal:
-    """A goal that came in."""
+    """Received goal."""
 
     def __init__(self, server, request, goal_id):
         self.goal_id = goal_id
@@ -300,15 +303,15 @@ class _ServerGoal:
         self._request = request
 
     def info(self):
-        """Its id and when it was accepted."""
+        """Id and time of acceptance."""
         return {"goal_id": {"uuid": self.goal_id}, "stamp": self.stamp}
 
     def stamp_pair(self):
-        """When it was accepted, for comparison."""
+        """Time of acceptance as a pair (s, ns), for comparison."""
         return self.stamp["sec"], self.stamp["nanosec"]
 
     def accept(self, cancel):
-        """Takes it; it executes from now on."""
+        """Accept the goal; it executes from now on."""
         with self._server._lock:
             self._cancel = cancel
             self.stamp = _stamp()
@@ -317,7 +320,7 @@ class _ServerGoal:
         self._server._tell_states()
 
     def reject(self):
-        """Does not take it."""
+        """Reject the goal."""
         with self._server._lock:
             self._server._goals.pop(self.goal_id, None)
             waiting, self.waiting = self.waiting, []
@@ -336,11 +339,11 @@ class _ServerGoal:
         return True
 
     def feedback(self, message):
-        """Tells the clients."""
+        """Send feedback to the clients."""
         self._server._feedback.publish({"goal_id": {"uuid": self.goal_id}, "feedback": message})
 
     def finish(self, status, result):
-        """It ended."""
+        """End the goal."""
         with self._server._lock:
             if self.ended_s is not None:
                 return
@@ -353,7 +356,7 @@ class _ServerGoal:
         self.answer(waiting)
 
     def answer(self, requests):
-        """Sends the result to those who have asked for it."""
+        """Send the result in response to the requests."""
         for request in requests:
             request.answer({"status": self.status, "result": self.result})
         if requests:

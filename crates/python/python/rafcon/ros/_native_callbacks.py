@@ -1,4 +1,4 @@
-"""The queue before the thread of callbacks. Knows events by their kind, and neither the helper nor who is called."""
+"""Queue of events for the callback thread. Independent of the helper and of the receivers."""
 
 import collections
 import threading
@@ -12,10 +12,10 @@ _UNASKED = ("heard", "request")
 
 
 class Callbacks:
-    """Events in their order, for one thread that takes them.
+    """Queue of events in order, for one consuming thread.
 
-    Messages and requests are bounded, because others send them as fast as they like. All other events follow what a script
-    has asked for, and none of them is dropped.
+    Messages and requests are limited, because their rate depends on other programs. All other
+    events result from calls of scripts, and are never dropped.
     """
 
     def __init__(self):
@@ -27,7 +27,7 @@ class Callbacks:
         self._changed = threading.Condition()
 
     def put(self, event, size=0):
-        """Adds an event, or None at the end. ``size`` is the number of bytes of its frame."""
+        """Add an event, or None at the end. ``size`` is the number of bytes of its frame."""
         with self._changed:
             if event is not None and any(kind in event for kind in _UNASKED):
                 self._bytes += size
@@ -38,7 +38,7 @@ class Callbacks:
             self._changed.notify()
 
     def get(self):
-        """The oldest event; waits for it."""
+        """Return the oldest event; wait until there is one."""
         with self._changed:
             self._changed.wait_for(lambda: self._messages or self._others)
             line = min((each for each in (self._messages, self._others) if each), key=lambda each: each[0][0])

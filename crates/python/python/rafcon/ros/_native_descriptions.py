@@ -1,6 +1,6 @@
-"""Types of messages that others use and nobody here has a file of: their users describe them (``get_type_description``).
+"""Descriptions of unknown message types, requested from their users (``get_type_description``).
 
-A description is believed if its hash is the one that its users announce with their topics.
+A description is accepted if its hash is the one that its users announce with their topics.
 """
 
 import queue
@@ -20,7 +20,7 @@ _USERS_MAX = 3
 
 
 class Descriptions:
-    """Asks for types on behalf of a back end."""
+    """Requests types on behalf of a back end."""
 
     def __init__(self, backend, ask, say):
         self._backend = backend
@@ -28,7 +28,10 @@ class Descriptions:
         self._say = say
 
     def complete(self, name, error):
-        """Has the helper learn a message type that is unknown; raises ``error`` with what was tried if that is impossible."""
+        """Teach the helper an unknown message type; ``UnknownType`` if that fails.
+
+        The message of the exception begins with ``error``.
+        """
         if "/msg/" not in name:
             # Its users announce the hashes of requests and responses, but describe the whole service only to clients that
             # know its hash.
@@ -39,9 +42,10 @@ class Descriptions:
             raise UnknownType(f"{error}. Its users did not help: {'; '.join(failed)}" if failed else str(error))
 
     def correct(self, name):
-        """Has the helper learn a message type again of which its users have another version than ``rafcon-ros``.
+        """Teach the helper a message type again if its users have another version.
 
-        Of a service or an action they cannot be asked for theirs; then the log says that the two differ.
+        Users of a service or an action cannot be asked for their version; then the difference is
+        logged.
         """
         wanted = parts(name)
         own = self._ask("hashes", types=wanted)
@@ -63,7 +67,7 @@ class Descriptions:
             time.sleep(_LOOK_EVERY_S)
 
     def _learn(self, name, users):
-        """Why it failed; nothing if it did not."""
+        """Return the reasons of failures; empty after success."""
         why = []
         for hash_, node in users[:_USERS_MAX]:
             try:
@@ -96,7 +100,7 @@ class Descriptions:
 
 
 def parts(name):
-    """The messages that users of a type announce: of a service or an action, those that carry its parts."""
+    """Message types that users of a type announce; parts of a service or an action."""
     if "/srv/" in name:
         return [f"{name}_{part}" for part in ("Request", "Response")]
     if "/action/" in name:

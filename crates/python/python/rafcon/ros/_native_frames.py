@@ -1,4 +1,4 @@
-"""Frames between this process and its helper: the text of a JSON object, and the bytes of arrays behind it.
+"""Frames between this process and its helper: a JSON object, followed by the bytes of arrays.
 
 ``docs/ros.md`` describes them.
 """
@@ -19,7 +19,7 @@ _CODES = {
 
 
 def nul_in(value, place=""):
-    """The path of a text with a NUL character, such as ``.names[2]``, or None."""
+    """Path of a text with a NUL character, such as ``.names[2]``, or None."""
     if isinstance(value, str):
         return place if "\0" in value else None
     if isinstance(value, dict):
@@ -32,7 +32,7 @@ def nul_in(value, place=""):
 
 
 def packed(fields):
-    """The frame of a dict; arrays in it go behind the text."""
+    """Encode a dict as a frame; arrays follow the text."""
     chunks = []
     size = 0
 
@@ -53,7 +53,7 @@ def packed(fields):
 
 
 def read(stream):
-    """The next dict from a stream, or None at its end, and the number of its bytes."""
+    """Read the next dict from a stream, or None at its end, and the number of its bytes."""
     head = stream.read(_HEAD.size)
     if len(head) < _HEAD.size:
         return None, 0
@@ -65,7 +65,7 @@ def read(stream):
 
 
 def unpacked(text, behind):
-    """The dict of a text, with the arrays behind it."""
+    """Decode the dict of a text, with the arrays that follow it."""
 
     def made(entries):
         place = entries.get("$")

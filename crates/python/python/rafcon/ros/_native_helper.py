@@ -1,7 +1,7 @@
-"""The helper process ``rafcon-ros``: found, started, spoken to, and ended.
+"""Helper process ``rafcon-ros``: search, start, communication and end.
 
-One thread reads what it says and hands answers to those who wait; another calls back, one after the other, so that a
-callback may ask the helper as well.
+One thread reads from the helper and passes responses to waiting callers. Another thread runs the
+callbacks in order, so that a callback may call the helper as well.
 """
 
 import itertools
@@ -34,7 +34,7 @@ _running = weakref.WeakSet()
 
 
 def found():
-    """The path of the helper's program."""
+    """Path of the helper's program; ``RosError`` if it is missing."""
     named = os.environ.get(BINARY_VARIABLE)
     if named:
         if os.path.isfile(named):
@@ -56,7 +56,10 @@ def found():
 
 
 class Helper:
-    """The process. ``heard(event)`` and then ``ended(why)`` are called on its thread for callbacks."""
+    """Helper process. Its callback thread calls the first function with each event.
+
+    The second function is called once at the end, with the reason.
+    """
 
     def __init__(self, heard, ended):
         self._heard = heard
@@ -89,16 +92,16 @@ class Helper:
 
     @property
     def pid(self):
-        """The number of the process."""
+        """Process id."""
         return self._process.pid
 
     def check(self):
-        """Raises :class:`BackendLost` once it has ended."""
+        """Raise :class:`BackendLost` if the helper has ended."""
         if self._lost is not None or self._closed:
             raise BackendLost(f"the ROS node has ended: {self._lost or 'it was closed'}")
 
     def tell(self, what, **fields):
-        """Has it do something that it does not answer."""
+        """Send a command without a response."""
         self.check()
         try:
             frame = _native_frames.packed({"do": what, **fields})
@@ -111,7 +114,7 @@ class Helper:
             raise BackendLost(f"the ROS node has ended: {self._lost or error}") from error
 
     def ask(self, what, **fields):
-        """Has it do something, and waits for its answer."""
+        """Send a command and wait for its response."""
         number = next(self._numbers)
         answer = queue.SimpleQueue()
         with self._lock:
@@ -178,7 +181,7 @@ class Helper:
         return f"rafcon-ros ended {how}" + (f": {words}" if words else "")
 
     def close(self):
-        """Ends it; returns when it is gone."""
+        """End the process; return when it has ended."""
         if self._closed:
             return
         self._closed = True
@@ -198,7 +201,7 @@ class Helper:
 
 
 def _let_go():
-    """In a forked child: the helper is the parent's, and must see when the parent ends."""
+    """In a forked child: close the socket, so that the parent's helper detects the parent's end."""
     for each in list(_running):
         each._closed = True
         each._lost = "this is a forked process"

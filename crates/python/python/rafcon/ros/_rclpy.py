@@ -1,4 +1,4 @@
-"""The back end of ``rclpy``: any middleware, and all interfaces that the interpreter finds."""
+"""Back end with ``rclpy``: any middleware, and all interfaces that the interpreter finds."""
 
 import math
 import os
@@ -31,7 +31,7 @@ _END_S = 1.0
 
 
 class RclpyBackend:
-    """A node of ``rclpy`` in a context of its own, so that scripts may use ``rclpy`` beside it."""
+    """Node of ``rclpy`` in a context of its own, so that scripts may use ``rclpy`` too."""
 
     name = "rclpy"
 
@@ -48,7 +48,7 @@ class RclpyBackend:
         self._lock = threading.Lock()
 
     def start(self, settings, listener):
-        """Makes the node and its thread."""
+        """Create the node and its thread."""
         self._listener = listener
         try:
             rclpy.init(args=[], context=self.context, domain_id=settings.domain, signal_handler_options=_no_signals())
@@ -66,7 +66,7 @@ class RclpyBackend:
         self._thread.start()
 
     def _key(self):
-        """The key of the participant of this process."""
+        """Key of this process's participant, or None."""
         own = self.node.get_name(), self.node.get_namespace()
         ends = self.node.get_publishers_info_by_topic(_OF_EACH_NODE)
         return next((bytes(each.endpoint_gid)[:12] for each in ends if (each.node_name, each.node_namespace) == own), None)
@@ -93,7 +93,10 @@ class RclpyBackend:
             self._listener.lost(why)
 
     def on_thread(self, function):
-        """What a function returns that is called on the thread of the node: `rclpy` makes nothing beside a thread that spins."""
+        """Call a function on the node's thread; return its result or raise its exception.
+
+        `rclpy` cannot create objects on another thread while the node's thread spins.
+        """
         if threading.current_thread() is self._thread:
             return function()
         answers, come = [], threading.Event()
@@ -114,7 +117,10 @@ class RclpyBackend:
         return value
 
     def post(self, function, *arguments):
-        """Calls a function on the thread of the node, which alone may touch what has no locks of its own."""
+        """Call a function on the node's thread, without waiting.
+
+        Only that thread may use objects without locks of their own.
+        """
         self.check()
         with self._lock:
             self._todo.append((function, arguments))
@@ -130,16 +136,16 @@ class RclpyBackend:
                 self._listener.say("error", f"{type(error).__name__}: {error}")
 
     def check(self):
-        """Raises :class:`BackendLost` once it has ended."""
+        """Raise :class:`BackendLost` if the node has ended."""
         if self._closed:
             raise BackendLost("the ROS node has ended")
 
     def say(self, level, text):
-        """A line for the log."""
+        """Log a line."""
         self._listener.say(level, text)
 
     def close(self):
-        """Ends the node and its thread."""
+        """End the node and its thread."""
         if self._closed:
             return
         deliver(self.node.publishers)
@@ -152,62 +158,62 @@ class RclpyBackend:
         self.context.try_shutdown()
 
     def describe(self, type_name):
-        """The type and all that it is made of, by name."""
+        """Type with all types that it contains, by name."""
         return self.classes.describe(type_name)
 
     def publisher(self, topic, type_name, qos):
-        """Makes a publisher."""
+        """Create a publisher."""
         known = self.classes.known(type_name)
         return self.on_thread(lambda: _Publisher(self, topic, known, _profile(qos)))
 
     def subscription(self, topic, type_name, qos, heard):
-        """Hears a topic."""
+        """Subscribe to a topic."""
         known = self.classes.known(type_name)
         return self.on_thread(lambda: _Subscription(self, topic, known, _profile(qos), heard))
 
     def client(self, service, type_name):
-        """Makes a client of a service."""
+        """Create a client of a service."""
         return self.on_thread(lambda: _Client(self, service, type_name))
 
     def service(self, name, type_name, asked):
-        """Offers a service."""
+        """Offer a service."""
         return self.on_thread(lambda: _Service(self, name, type_name, asked))
 
     def action_client(self, action, type_name):
-        """Makes a client of an action."""
+        """Create a client of an action."""
         return self.on_thread(lambda: _made(f"send goals to {action} ({type_name})", lambda: ActionClient(self, action, type_name)))
 
     def action_server(self, name, type_name, asked):
-        """Offers an action."""
+        """Offer an action."""
         return self.on_thread(lambda: _made(f"offer {name} ({type_name})", lambda: ActionServer(self, name, type_name, asked)))
 
     def publishers_of(self, topic):
-        """The publishers that are known of a topic."""
+        """Known publishers on a topic."""
         self.check()
         return [_endpoint(each) for each in self.node.get_publishers_info_by_topic(topic)]
 
     def subscriptions_of(self, topic):
-        """The subscriptions that are known of a topic."""
+        """Known subscriptions of a topic."""
         self.check()
         return [_endpoint(each) for each in self.node.get_subscriptions_info_by_topic(topic)]
 
     def topics(self):
-        """All topics that are known, with their types."""
+        """All known topics, with their types."""
         self.check()
         return {name: tuple(types) for name, types in self.node.get_topic_names_and_types()}
 
     def services(self):
-        """All services that are known, with their types."""
+        """All known services, with their types."""
         self.check()
         return {name: tuple(types) for name, types in self.node.get_service_names_and_types()}
 
     def nodes(self):
-        """The names of all nodes that are known."""
+        """Names of all known nodes."""
         self.check()
         return [_joined(space, name) for name, space in self.node.get_node_names_and_namespaces()]
 
     def serving(self, service):
-        """The nodes that offer a service, as (name, namespace)."""
+        """Nodes that offer a service, as (name, namespace)."""
         found = set()
         for name, space in self.node.get_node_names_and_namespaces():
             try:
@@ -219,9 +225,9 @@ class RclpyBackend:
         return found
 
     def participants(self, nodes):
-        """The keys of the participants in which nodes live, by :mod:`rafcon.ros._liveness`; None where one is not known.
+        """Keys of the participants of nodes, for :mod:`rafcon.ros._liveness`; None if unknown.
 
-        A node that died and was started again is there twice, until its lease is over.
+        A node that died and was restarted has two, until the lease of the first expires.
         """
         known = {}
         for each in self.node.get_publishers_info_by_topic(_OF_EACH_NODE):
@@ -245,7 +251,7 @@ def _profile(qos):
 
 
 def services():
-    """The quality of service of clients: those of ROS 2 keep ten answers, and lose the rest of a burst."""
+    """Quality of service of clients. The default of ROS 2 only queues ten responses."""
     return QoSProfile(depth=_ANSWERS_MAX, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
 
 
@@ -283,7 +289,7 @@ def _made_on_topic(backend, what, topic, type_name, make):
 
 
 class _Part:
-    """Something of the node that is destroyed on the node's thread."""
+    """Object of the node that is destroyed on the node's thread."""
 
     def __init__(self, backend):
         backend.check()
@@ -294,7 +300,7 @@ class _Part:
         raise NotImplementedError
 
     def close(self):
-        """Gives it back."""
+        """Release it."""
         if self._open:
             self._open = False
             if not self._backend._closed:
@@ -302,7 +308,7 @@ class _Part:
 
 
 class _Publisher(_Part):
-    """A publisher of ``rclpy``."""
+    """Publisher of ``rclpy``."""
 
     def __init__(self, backend, topic, known, profile):
         _Part.__init__(self, backend)
@@ -310,12 +316,12 @@ class _Publisher(_Part):
         self._publisher = _made_on_topic(backend, "publish", topic, known.type.name, lambda: backend.node.create_publisher(known.cls, topic, profile))
 
     def publish(self, message):
-        """Sends a message."""
+        """Send a message."""
         self._backend.check()
         self._publisher.publish(self._known.made(message))
 
     def subscribers(self):
-        """How many hear it."""
+        """Number of subscriptions."""
         self._backend.check()
         return self._publisher.get_subscription_count()
 
@@ -324,7 +330,7 @@ class _Publisher(_Part):
 
 
 class _Subscription(_Part):
-    """A subscription of ``rclpy``."""
+    """Subscription of ``rclpy``."""
 
     def __init__(self, backend, topic, known, profile, heard):
         _Part.__init__(self, backend)
@@ -341,7 +347,7 @@ class _Subscription(_Part):
             self._heard(self._known.plain(message))
 
     def publishers(self):
-        """How many it hears."""
+        """Number of publishers."""
         self._backend.check()
         return self._backend.node.count_publishers(self._topic)
 
@@ -350,7 +356,7 @@ class _Subscription(_Part):
 
 
 class Servers:
-    """The processes that offer a service: those of the graph, without those that have been seen to end."""
+    """Processes that offer a service according to the graph, without those that have ended."""
 
     def __init__(self, backend, service, is_ready):
         self._backend = backend
@@ -359,7 +365,10 @@ class Servers:
         self._nodes = set()
 
     def alive(self, sent_s):
-        """The keys of their participants that were not started since in the place of one that died; None for one that is not known."""
+        """Keys of live participants; None for unknown ones.
+
+        Excludes participants that replaced a dead one after ``sent_s``.
+        """
         self._backend.check()
         if not self._is_ready():
             self._nodes = set()
@@ -377,7 +386,7 @@ class Servers:
 
 
 class _Client(_Part):
-    """A client of ``rclpy``."""
+    """Client of ``rclpy``."""
 
     def __init__(self, backend, service, type_name):
         _Part.__init__(self, backend)
@@ -389,11 +398,11 @@ class _Client(_Part):
         self._servers = Servers(backend, service, self._client.service_is_ready)
 
     def servers(self, sent_s=math.inf):
-        """The processes that serve."""
+        """Processes of the servers."""
         return self._servers.alive(sent_s)
 
     def send(self, request, done):
-        """Sends a request."""
+        """Send a request."""
         self._backend.check()
         future = self._client.call_async(self._request.made(request))
         pending = _Pending(self._client, future)
@@ -411,7 +420,7 @@ class _Client(_Part):
 
 
 class _Pending:
-    """A request that was sent."""
+    """Request that was sent."""
 
     def __init__(self, client, future):
         self.open = True
@@ -419,7 +428,7 @@ class _Pending:
         self._future = future
 
     def close(self):
-        """Nobody waits for the response any more."""
+        """Stop waiting for the response."""
         if self.open:
             self.open = False
             if not self._future.done():
@@ -427,7 +436,7 @@ class _Pending:
 
 
 class _Service(_Part):
-    """A service of ``rclpy`` that is answered later."""
+    """Service of ``rclpy`` with deferred responses."""
 
     def __init__(self, backend, name, type_name, asked):
         _Part.__init__(self, backend)
@@ -455,7 +464,7 @@ class _Service(_Part):
 
 
 class _Request:
-    """A request that came in."""
+    """Received request."""
 
     def __init__(self, backend, request, response):
         self.request = request
@@ -464,10 +473,10 @@ class _Request:
         self._send = None
 
     def answer(self, response):
-        """Answers it."""
+        """Send the response."""
         self._backend.post(lambda: self._send(self._response.made(response)))
 
 
 def new_goal_id():
-    """16 bytes that no other goal has."""
+    """Create a unique id of 16 bytes."""
     return uuid.uuid4().bytes

@@ -1,4 +1,4 @@
-"""Actions by ``rclpy``."""
+"""Actions with ``rclpy``."""
 
 import math
 import threading
@@ -18,7 +18,7 @@ _ASK_AGAIN_S = 0.5
 
 
 class ActionClient:
-    """A client of ``rclpy`` with what it does not tell: states of goals, and cancelling before a goal is accepted."""
+    """Client of ``rclpy`` that also has states of goals, and cancellation before the acceptance."""
 
     def __init__(self, backend, name, type_name):
         from action_msgs.msg import GoalStatusArray
@@ -44,11 +44,11 @@ class ActionClient:
         return self._client.server_is_ready() and self._cancels.service_is_ready()
 
     def servers(self, sent_s=math.inf):
-        """The processes that serve."""
+        """Processes of the servers."""
         return self._servers.alive(sent_s)
 
     def send(self, goal, events):
-        """Sends a goal under a new id."""
+        """Send a goal with a new id."""
         from rafcon.ros._rclpy import new_goal_id
 
         sent = _Goal(self, events, new_goal_id())
@@ -58,7 +58,7 @@ class ActionClient:
         return sent
 
     def _send(self, sent, goal):
-        """On the node's thread, where no answer can overtake the note of who waits for it."""
+        """Send on the node's thread, so that the goal is registered before any response."""
         if not sent.open:
             return
         id_ = UUID(uuid=list(sent.goal_id))
@@ -118,7 +118,7 @@ class ActionClient:
             self._backend.post(self._ask_for_result, sent)
 
     def cancel(self, goal_id, done):
-        """Asks the server to cancel a goal."""
+        """Request cancellation of a goal from the server."""
         request = CancelGoal.Request()
         request.goal_info.goal_id = UUID(uuid=list(goal_id))
         future = self._cancels.call_async(request)
@@ -130,12 +130,12 @@ class ActionClient:
         future.add_done_callback(come)
 
     def forget(self, goal_id):
-        """Nobody waits for a goal any more."""
+        """Stop waiting for a goal."""
         with self._lock:
             self._goals.pop(goal_id, None)
 
     def close(self):
-        """Gives it back; goals that are under way fail."""
+        """Release the client; active goals fail."""
         with self._lock:
             goals, self._goals = list(self._goals.values()), {}
         for sent in goals:
@@ -151,7 +151,7 @@ class ActionClient:
 
 
 class _Goal:
-    """A goal that was sent."""
+    """Goal that was sent."""
 
     def __init__(self, client, events, goal_id):
         self.goal_id = goal_id
@@ -162,23 +162,23 @@ class _Goal:
         self._events = events
 
     def tell(self, what, *arguments):
-        """Tells who waits."""
+        """Pass an event to the receiver."""
         if self.open:
             getattr(self._events, what)(*arguments)
 
     def cancel(self, done):
-        """Asks the server to cancel it, after it was sent."""
+        """Request cancellation from the server, after the goal was sent."""
         backend = self._client._backend
         backend.post(self._client.cancel, self.goal_id, done)
 
     def close(self):
-        """Lets go of it."""
+        """End the events of the goal."""
         self.open = False
         self._client.forget(self.goal_id)
 
 
 class ActionServer:
-    """A server of ``rclpy`` whose goals end on any thread."""
+    """Server of ``rclpy`` whose goals may end on any thread."""
 
     def __init__(self, backend, name, type_name, asked):
         self.backend = backend
@@ -233,7 +233,7 @@ class ActionServer:
         return rclpy.action.CancelResponse.ACCEPT if agreed else rclpy.action.CancelResponse.REJECT
 
     def close(self):
-        """Offers it no longer; what executes is aborted."""
+        """Stop offering the action; executing goals are aborted."""
         if self._open and not self.backend._closed:
             self._open = False
             self.backend.post(self._destroy)
@@ -246,7 +246,7 @@ class ActionServer:
 
 
 class _ServerGoal:
-    """A goal that came in."""
+    """Received goal."""
 
     def __init__(self, server, goal):
         self.goal = goal
@@ -259,16 +259,16 @@ class _ServerGoal:
         self._before = []
 
     def accept(self, cancel):
-        """Takes it."""
+        """Accept the goal."""
         self.cancel = cancel
         self._server.backend.post(self.decision.set_result, True)
 
     def reject(self):
-        """Does not take it."""
+        """Reject the goal."""
         self._server.backend.post(self.decision.set_result, False)
 
     def begin(self, handle):
-        """It is accepted; what was said of it before is told now."""
+        """Begin the accepted goal, and run the calls made before."""
         self._handle = handle
         handle._update_state(_executes())
         before, self._before = self._before, []
@@ -276,7 +276,7 @@ class _ServerGoal:
             function(*arguments)
 
     def feedback(self, message):
-        """Tells the clients."""
+        """Send feedback to the clients."""
         self._server.backend.post(self._when_begun, self._publish, message)
 
     def _publish(self, message):
@@ -289,11 +289,11 @@ class _ServerGoal:
             function(*arguments)
 
     def finish(self, status, result):
-        """It ended."""
+        """End the goal."""
         self._server.backend.post(self._when_begun, self.finish_now, status, result)
 
     def finish_now(self, status, result):
-        """The same, on the node's thread."""
+        """End the goal, called on the node's thread."""
         if self.ended is None:
             self.ended = status, result
             self._server._server.notify_execute(self._handle, None)

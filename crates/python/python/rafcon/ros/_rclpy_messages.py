@@ -1,4 +1,4 @@
-"""The classes that ROS has made of interface files, and messages of them in the form of :mod:`rafcon.ros._backend`."""
+"""ROS classes of interface files, and conversion of their messages to plain ones."""
 
 import array
 import importlib
@@ -11,7 +11,7 @@ _PARTS = {"srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback
 
 
 def interface(name):
-    """The class of a message, service or action."""
+    """Class of a message, service or action; ``UnknownType`` if it is missing."""
     package, kind, short = name.split("/")
     try:
         module = importlib.import_module(f"{package}.{kind}")
@@ -30,7 +30,7 @@ def interface(name):
 
 
 def message_class(name):
-    """The class of a message type, those in services and actions included (``…_Request``, ``…_Goal``)."""
+    """Class of a message type, also in services and actions (``…_Request``, ``…_Goal``)."""
     if "/msg/" in name:
         return interface(name)
     base, _, part = name.rpartition("_")
@@ -38,18 +38,18 @@ def message_class(name):
 
 
 def parts(name):
-    """The names of the message types that a message, service or action consists of."""
+    """Names of the message types of a message, service or action."""
     return [f"{name}_{part}" for part in _PARTS.get(name.split("/")[1], ())] or [name]
 
 
 class Classes:
-    """What is known of classes: their types, and how their objects and plain messages become each other."""
+    """Cache of classes, with their types and conversions of their messages."""
 
     def __init__(self):
         self._known = {}
 
     def describe(self, name):
-        """The types of an interface and all that they are made of, by name."""
+        """Types of an interface with all types that they contain, by name."""
         found = {}
         wanted = parts(name)
         while wanted:
@@ -60,7 +60,7 @@ class Classes:
         return found
 
     def known(self, name):
-        """The :class:`_Class` of a message type."""
+        """:class:`_Class` of a message type."""
         found = self._known.get(name)
         if found is None:
             found = self._known[name] = _Class(self, name, message_class(name))
@@ -68,7 +68,7 @@ class Classes:
 
 
 class _Class:
-    """One class of messages."""
+    """Class of messages."""
 
     def __init__(self, classes, name, cls):
         if getattr(cls, "_TYPE_SUPPORT", None) is None:
@@ -82,11 +82,11 @@ class _Class:
         self.type = MessageType(name, fields, _constants(cls))
 
     def plain(self, message):
-        """An object of the class as a plain message."""
+        """Convert an object of the class to a plain message."""
         return {name: to_plain(getattr(message, name)) for name, to_plain, _ in self._steps}
 
     def made(self, values):
-        """A plain message as an object of the class."""
+        """Convert a plain message to an object of the class."""
         message = self.cls()
         for name, _, to_ros in self._steps:
             setattr(message, name, to_ros(values[name]))
@@ -99,7 +99,7 @@ def _constants(cls):
 
 
 def _default(field, value):
-    """What a type gives as default; None where that is zero, empty or false."""
+    """Default of a field; None if it is zero, empty or false."""
     if "/" in field.type:
         return None
     if field.kind == "one":
@@ -110,7 +110,7 @@ def _default(field, value):
 
 
 def _kind(slot):
-    """(type, kind, size, text_max) of a field."""
+    """Return (type, kind, size, text_max) of a field."""
     sort = type(slot).__name__
     if sort in ("Array", "BoundedSequence", "UnboundedSequence"):
         name, _, _, text_max = _kind(slot.value_type)
@@ -126,7 +126,7 @@ def _kind(slot):
 
 
 def _steps(classes, field):
-    """(from an attribute of an object to a plain value, and back)."""
+    """Return the conversions from an attribute of an object to a plain value, and back."""
     if "/" in field.type:
         return _message_steps(classes, field)
     if field.kind == "one":
@@ -152,7 +152,7 @@ def _message_steps(classes, field):
 
 
 def _fixed(name):
-    """Fixed arrays of numbers are of ``numpy``, which ROS has brought then."""
+    """Conversion of fixed arrays to ``numpy``, which ROS installs."""
 
     def made(values):
         import numpy
@@ -173,6 +173,6 @@ def _same(value):
 
 
 def filled(cls, values):
-    """An object of a class with the values of a plain message of its type."""
+    """Create an object of a class with the values of a plain message of its type."""
     package, kind, *_ = cls.__module__.split(".")
     return _Class(Classes(), f"{package}/{kind}/{cls.__name__}", cls).made(values)
