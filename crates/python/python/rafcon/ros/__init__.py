@@ -8,16 +8,17 @@
         ended = ros.action("/navigate_to_pose", {"pose": {"header": {"frame_id": "map"}}})
         return "success" if ended.outcome == "succeeded" else "aborted"
 
-Messages are mappings, or :class:`Message` with fields as attributes; types go by name (``geometry_msgs/Twist``), or are
-found out where others use the topic, service or action already. With ``rclpy`` its classes and objects serve as well.
+Messages are mappings, or :class:`Message` with fields as attributes. Types are given by name
+(``geometry_msgs/Twist``), or taken from other users of the topic, service or action. With
+``rclpy``, its classes and objects are accepted as well.
 
-All states of a run share one node, which is made when something here is used first and ends with the run. It is made by
-``rclpy`` where the interpreter has it, else by the program ``rafcon-ros``, which needs no installation of ROS;
-``RAFCON_ROS_BACKEND`` forces one of ``rclpy`` and ``native``.
+All states of a run share one node, which is created on first use of this package and ends with the
+run. Its back end is ``rclpy`` if the interpreter has it, else the program ``rafcon-ros``, which
+needs no installation of ROS. ``RAFCON_ROS_BACKEND`` forces ``rclpy`` or ``native``.
 
-Every wait has a time, in seconds, and ends when the state of the script is preempted: then
-:class:`~rafcon.core.custom_exceptions.StatePreempted` is raised, once in a run of a state, so that ``finally`` can still
-stop a robot. The errors of this package are of :class:`RosError`.
+Every wait has a timeout (s), and ends when the state of the script is preempted. Then
+:class:`~rafcon.core.custom_exceptions.StatePreempted` is raised, once in a run of a state, so that
+``finally`` can still stop a robot. Errors of this package are subclasses of :class:`RosError`.
 """
 
 from rafcon.ros._action_server import ActionServer, GoalAborted, ReceivedGoal, action_server

@@ -1,4 +1,4 @@
-"""Offering an action from a script."""
+"""Action servers for scripts."""
 
 import threading
 
@@ -10,7 +10,7 @@ from rafcon.ros._types import full_name
 
 
 class ReceivedGoal:
-    """A goal that somebody sent; the callback of :func:`action_server` works for it."""
+    """Goal received from a client; the callback of :func:`action_server` processes it."""
 
     def __init__(self, here, type_name, received):
         self._here = here
@@ -22,15 +22,15 @@ class ReceivedGoal:
 
     @property
     def canceled(self):
-        """Whether its client wants it cancelled; the callback returns soon then."""
+        """True if the client has requested cancellation; the callback should then return soon."""
         return self._canceling.is_set()
 
     def wait(self, seconds):
-        """Waits; True at once when the client wants the goal cancelled."""
+        """Wait; True as soon as the client requests cancellation, False after the time (s)."""
         return self._canceling.wait(seconds)
 
     def feedback(self, message=None, **fields):
-        """Tells the client how far the work is."""
+        """Send feedback to the client."""
         name = self._type_name + "_Feedback"
         self._received.feedback(self._here.types.build(name, {**(message or {}), **fields} if fields else message))
 
@@ -48,7 +48,7 @@ class ActionServer(Server):
         self._changed = threading.Condition()
 
     def work(self, *arguments):
-        """From a goal that came in to its end, which has been told when this returns."""
+        """Process a received goal; its end has been sent when this returns."""
         self._count(1)
         try:
             _work(*arguments)
@@ -61,13 +61,13 @@ class ActionServer(Server):
             self._changed.notify_all()
 
     def join(self, timeout=None):
-        """Waits until the ends of all goals have been told; false if the time (s) is over before."""
+        """Wait until the ends of all goals have been sent; False if the timeout (s) expired."""
         with self._changed:
             return self._changed.wait_for(lambda: self._at_work == 0, timeout)
 
 
 class GoalAborted(Exception):
-    """Raised by the callback of an action: the goal ends as *aborted*, with ``result`` for the client."""
+    """Raised by the callback of an action: the goal ends as *aborted*, with ``result``."""
 
     def __init__(self, why="", result=None):
         Exception.__init__(self, why)
@@ -75,11 +75,13 @@ class GoalAborted(Exception):
 
 
 def action_server(action, callback, type, accept=None):
-    """Offers an action: ``callback(goal)`` works for a :class:`ReceivedGoal` and returns its result; returns an :class:`ActionServer`.
+    """Offer an action; return an :class:`ActionServer`.
 
-    Each goal runs on a thread of its own. Returning after ``goal.canceled`` became true ends it as *canceled*, otherwise
-    as *succeeded*; :class:`GoalAborted`, or any other exception, ends it as *aborted*. ``accept(goal)`` says whether a
-    goal (a :class:`Message`) is accepted; without it all are.
+    ``callback(goal)`` processes a :class:`ReceivedGoal` and returns its result. Each goal has a
+    thread of its own. Returning after ``goal.canceled`` became True ends the goal as *canceled*,
+    otherwise as *succeeded*. :class:`GoalAborted`, or any other exception, ends it as *aborted*.
+    ``accept(goal)`` returns True to accept a goal (a :class:`Message`); by default all are
+    accepted.
     """
     here = node()
     server = ActionServer(here.absolute(action))

@@ -1,4 +1,4 @@
-"""Actions: goals that are sent, waited for, and cancelled when their state is preempted."""
+"""Action clients: goals are sent, awaited, and cancelled if their state is preempted."""
 
 import collections
 import threading
@@ -33,7 +33,7 @@ _OUTCOMES = {_backend.SUCCEEDED: "succeeded", _backend.CANCELED: "canceled", _ba
 
 @dataclass(frozen=True)
 class ActionResult:
-    """How a goal ended."""
+    """Result of a goal."""
 
     #: ``succeeded``, ``aborted``, ``canceled``, ``rejected`` or ``timed_out``.
     outcome: str
@@ -46,7 +46,7 @@ class ActionResult:
 
 
 class _SentGoal:
-    """A goal on its way; the back end calls the upper half, on its thread."""
+    """Goal that was sent; the back end calls the callback methods on its thread."""
 
     def __init__(self, here, name):
         self._here = here
@@ -69,7 +69,7 @@ class _SentGoal:
         self.told = None
 
     def send(self, client, values):
-        """Sends it, when its turn has come."""
+        """Send the goal, as soon as the gate admits it."""
 
         def start():
             # Another goal's thread may open the gate, so report errors to this goal.
@@ -84,7 +84,7 @@ class _SentGoal:
         self._send_key = self._sends.submit(start)
 
     def pump(self):
-        """Sends what may go, and asks again where no answer came."""
+        """Send waiting requests that the gate admits; repeat an unanswered cancellation."""
         self._sends.pump()
         self._cancels.pump()
         unanswered = self._cancel_sent_s is not None and self.cancel_answer is None
@@ -93,7 +93,7 @@ class _SentGoal:
             self._send_cancel()
 
     def accepted(self):
-        """The server takes the goal."""
+        """Handle the acceptance by the server."""
         self.is_accepted = True
         self._open.tell()
         self._sends.answered(self._send_key)
@@ -102,27 +102,27 @@ class _SentGoal:
         self._ring()
 
     def rejected(self):
-        """The server does not take it."""
+        """Handle the rejection by the server."""
         self._finish((0, None))
 
     def feedback(self, message):
-        """The server tells about it."""
+        """Store feedback of the server."""
         self.last_feedback = message
         self._feedback_waiting.append(message)
         self._ring()
 
     def status(self, status):
-        """The topic of states has a state of it."""
+        """Handle a state of the goal from the topic of states."""
         if status in _OUTCOMES and self.told is None:
             self.told = status, time.monotonic()
             self._ring()
 
     def result(self, status, message):
-        """It ended."""
+        """Handle the end of the goal."""
         self._finish((status, message))
 
     def failed(self, why):
-        """Nothing more will be heard of it."""
+        """Handle a failure on this side; no other callbacks follow."""
         self._finish((None, why))
 
     def _finish(self, end):
@@ -138,18 +138,18 @@ class _SentGoal:
             waiter.ring()
 
     def wait_with(self, waiter):
-        """Who is told of news."""
+        """Set the waiter that is woken by events."""
         self._waiter = waiter
 
     def take_feedback(self):
-        """The newest feedback that has not been taken, or None."""
+        """Newest feedback that has not been taken, or None."""
         try:
             return self._feedback_waiting.popleft()
         except IndexError:
             return None
 
     def cancel(self):
-        """Asks the server to cancel it; again when it is accepted, if it was not yet."""
+        """Request cancellation from the server; repeated when the goal is accepted later."""
         self._unwanted = True
         self._send_cancel()
 
@@ -175,13 +175,13 @@ class _SentGoal:
         self._ring()
 
     def leave(self):
-        """Nobody waits any more: a goal that has not ended is cancelled, or will be when it is accepted."""
+        """Stop waiting: cancel a goal that has not ended, at the latest when it is accepted."""
         self._waiter = None
         if self.end is None and not self._unwanted:
             self.cancel()
 
     def ended(self):
-        """Whether the end is known; with the result, or without after a while."""
+        """True if the end is known, with its result or after the timeout of the result."""
         self._here.check()
         self.pump()
         if self.end is not None:
@@ -190,12 +190,12 @@ class _SentGoal:
 
 
 def _open_goals(here):
-    """The goals of which the end is not known."""
+    """Goals whose end is not known."""
     return here.shared(("open goals",), lambda: _OpenGoals(here))
 
 
 class _OpenGoals:
-    """A set for several threads."""
+    """Thread-safe set of goals."""
 
     def __init__(self, here):
         self._goals = set()
@@ -204,23 +204,26 @@ class _OpenGoals:
         self._changed = threading.Condition(self._lock)
 
     def add(self, goal):
-        """One more."""
+        """Add a goal."""
         with self._lock:
             self._goals.add(goal)
 
     def discard(self, goal):
-        """One less."""
+        """Remove a goal."""
         with self._changed:
             self._goals.discard(goal)
             self._changed.notify_all()
 
     def tell(self):
-        """One of them was accepted."""
+        """Wake waiting threads, because a goal was accepted."""
         with self._changed:
             self._changed.notify_all()
 
     def close(self):
-        """The run ends: all are cancelled, and for a moment their ends are waited for; that a server accepts one, a little longer."""
+        """Cancel all goals at the end of the run and wait for their ends, at most 7 s.
+
+        The wait includes the time for a server to accept a goal.
+        """
         with self._changed:
             goals = list(self._goals)
             for goal in goals:
@@ -239,16 +242,17 @@ class _OpenGoals:
 
 
 def action(name, goal=None, type=None, timeout=None, feedback=None, cancel_wait_s=CANCEL_WAIT_S, find=FIND_S, accept=_ACCEPT_S):
-    """Sends a goal and waits for its end; returns an :class:`ActionResult`.
+    """Send a goal and wait for its end; return an :class:`ActionResult`.
 
-    Without a ``type`` it is the one that the action has. A server that is not there is waited for up to ``find``
-    seconds, and may take ``accept`` seconds to accept the goal: after that the outcome is *timed_out*, as it is when the
-    goal has not ended after ``timeout`` seconds. A server that ends before the goal does is an outcome, too: *aborted*.
-    ``feedback(message)`` is called with the newest feedback, on the thread of the script; the log has it as well.
+    The default ``type`` is that of the action. ``find`` (s) is the timeout for finding a server,
+    ``accept`` (s) that for the acceptance of the goal, and ``timeout`` (s) that for its end. If one
+    of them expires, the outcome is *timed_out*. If the server ends before the goal, the outcome is
+    *aborted*. ``feedback(message)`` is called with the newest feedback, on the thread of the
+    script; feedback is also logged.
 
-    When the state is preempted, the goal is cancelled, its end is waited for up to ``cancel_wait_s`` seconds, and
-    :class:`~rafcon.core.custom_exceptions.StatePreempted` is raised. A goal that is accepted after that, or after a
-    *timed_out*, is cancelled as well.
+    If the state is preempted, the goal is cancelled, its end is awaited for up to ``cancel_wait_s``
+    (s), and :class:`~rafcon.core.custom_exceptions.StatePreempted` is raised. A goal that is
+    accepted after that, or after a *timed_out*, is cancelled as well.
     """
     here = node()
     name = here.absolute(name)
@@ -274,7 +278,7 @@ def _logged(here, result):
 
 
 class _Running:
-    """One call of :func:`action`."""
+    """Call of :func:`action`."""
 
     def __init__(self, here, name, type_name, client, waiter, feedback):
         self._here = here
@@ -288,7 +292,7 @@ class _Running:
         self._sent = _SentGoal(here, name)
 
     def run(self, values, timeout, accept, cancel_wait_s):
-        """From the goal to its end."""
+        """Send the goal and follow it to its end; return an :class:`ActionResult`."""
         sent = self._sent
         sent.wait_with(self._waiter)
         end_s = None if timeout is None else time.monotonic() + timeout
@@ -330,7 +334,7 @@ class _Running:
         return None if values is None else Message.of(f"{self._type_name}_{part}", self._here.types, values)
 
     def _cancel(self, wait_s):
-        """Cancels the goal and waits for its end, whatever else happens to the state."""
+        """Cancel the goal and wait for its end; preemption does not end the wait."""
         self._sent.cancel()
         self._waiter.heed(False)
         try:
@@ -370,7 +374,7 @@ class _Running:
 
 
 def type_of_action(here, name, find):
-    """The type that an action has; it is waited for."""
+    """Find the type of an action; wait until it is known."""
     end = "/_action/send_goal"
 
     def look():

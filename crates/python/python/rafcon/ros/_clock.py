@@ -1,4 +1,4 @@
-"""The time of ROS: that of the machine, or of ``/clock`` where a simulation makes it."""
+"""Time of ROS: that of the computer, or of ``/clock`` in a simulation."""
 
 import time
 
@@ -11,24 +11,27 @@ _FIRST_S = 2.0
 
 
 def now_ns():
-    """The time in nanoseconds."""
+    """Current time (ns)."""
     here = node()
     return here.shared(("clock",), lambda: _SimClock(here))() if here.use_sim_time else time.time_ns()
 
 
 def now():
-    """The time in seconds: of the machine, or with ``use_sim_time`` (see :func:`configure`) of the topic ``/clock``."""
+    """Current time (s): of the computer, or with ``use_sim_time`` of the topic ``/clock``.
+
+    :func:`configure` sets ``use_sim_time``.
+    """
     return now_ns() / _NS
 
 
 def stamp(seconds=None):
-    """A time as ``builtin_interfaces/msg/Time`` has it; without ``seconds`` now: for the ``stamp`` of a header."""
+    """Time (s, default: now) as ``builtin_interfaces/msg/Time``, for the ``stamp`` of a header."""
     sec, nanosec = divmod(now_ns() if seconds is None else round(float(seconds) * _NS), _NS)
     return {"sec": sec, "nanosec": nanosec}
 
 
 class _SimClock:
-    """The newest time of ``/clock``."""
+    """Newest time of ``/clock``, in ns."""
 
     def __init__(self, here):
         from rafcon.ros._topics import Subscription, heard_quality

@@ -1,4 +1,4 @@
-"""Lets messages arrive before their publishers go."""
+"""Delivery of messages before their publishers close."""
 
 import time
 
@@ -10,7 +10,10 @@ _DELIVER_S = 3.5
 
 
 def deliver(publishers):
-    """Waits until the subscribers have what these publishers of ``rclpy`` sent: who publishes and ends would lose it."""
+    """Wait until subscribers have all messages of these ``rclpy`` publishers, at most 3.5 s.
+
+    Without the wait, messages sent immediately before the end would be lost.
+    """
     end_s = time.monotonic() + _DELIVER_S
     for publisher in list(publishers):
         publisher.wait_for_all_acked(Duration(seconds=max(end_s - time.monotonic(), 0.0)))

@@ -1,7 +1,7 @@
-"""How many requests are on their way to one service at a time.
+"""Limit of the requests in flight to one service.
 
-A server of ROS 2 keeps ten requests; of those that come before it has taken them, it loses the oldest without a word. So
-of many branches that call at once, some wait here.
+A server of ROS 2 queues ten requests. If more arrive before it has taken these, it loses the oldest
+without an error. If many branches call at once, some of their requests wait here.
 """
 
 import collections
@@ -15,7 +15,7 @@ _TAKEN_S = 1.0
 
 
 class Gate:
-    """Lets requests through in their order."""
+    """Admits requests in order, up to a limit in flight."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -23,7 +23,7 @@ class Gate:
         self._passed = {}
 
     def submit(self, start):
-        """Calls ``start()`` now or later, on any thread; returns a key for :meth:`answered`."""
+        """Call ``start()`` now or later, on any thread; return a key for :meth:`answered`."""
         key = object()
         with self._lock:
             self._waiting.append((key, start))
@@ -31,14 +31,14 @@ class Gate:
         return key
 
     def answered(self, key):
-        """The request of a key has its answer, or is not wanted any more."""
+        """Release the request of a key, which was answered or is no longer needed."""
         with self._lock:
             if self._passed.pop(key, None) is None:
                 self._waiting = collections.deque(each for each in self._waiting if each[0] is not key)
         self.pump()
 
     def pump(self):
-        """Lets through what may go."""
+        """Admit waiting requests up to the limit."""
         while True:
             with self._lock:
                 now_s = time.monotonic()

@@ -1,9 +1,10 @@
-"""Has the participants of a domain say at once where they are.
+"""Makes the participants of a domain announce their addresses at once.
 
-Fast DDS answers a participant that it hears of for the first time, but the new one listens a moment after it has spoken: the
-answer is lost as often as not, and the next one comes with the announcement after it, in up to three seconds. So a second
-participant without readers and writers speaks when the new one listens. What it is answered is passed on to the new one as
-it is. It says good-bye after a second.
+Fast DDS responds to a participant when it discovers it. A new participant starts to listen shortly
+after it has announced itself, so it often misses the response. The next one follows its next
+announcement, up to three seconds later. Therefore a second participant, without readers and
+writers, announces itself while the new one listens. Responses to it are forwarded unchanged to the
+new one. It leaves after a second.
 """
 
 import os
@@ -30,7 +31,10 @@ _HERE = "127.0.0.1"
 
 
 def greet(domain, own_key, note, closed):
-    """Speaks and listens for a second. ``note(key, places)`` is told who answers; ``closed()`` ends it early."""
+    """Announce a participant and listen for a second.
+
+    ``note(key, places)`` is called for each responding participant. ``closed()`` ends it early.
+    """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
         try:
             made.bind(("", 0))
@@ -126,20 +130,20 @@ class _Greeting:
 
 
 def is_local():
-    """Whether the environment wants the programs of this computer only."""
+    """True if the environment restricts discovery to this computer."""
     wanted = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper()
     return wanted == "LOCALHOST" or os.environ.get("ROS_LOCALHOST_ONLY") == "1"
 
 
 def is_wanted():
-    """Whether the environment leaves it to programs to find each other."""
+    """True if the environment permits discovery of programs by announcement."""
     is_off = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() == "OFF"
     # A secured participant does not respond to unknown ones.
     return not is_off and os.environ.get("ROS_SECURITY_ENABLE", "").lower() != "true"
 
 
 def announcement(prefix, place, lease_s):
-    """The message of RTPS by which a participant without readers and writers announces itself."""
+    """RTPS message that announces a participant without readers and writers."""
     address, port = place
     locator = struct.pack("<iI", 1, port) + bytes(12) + socket.inet_aton(address)
     parameters = (
@@ -155,7 +159,7 @@ def announcement(prefix, place, lease_s):
 
 
 def good_bye(prefix):
-    """The message of RTPS by which it ends."""
+    """RTPS message that ends a participant."""
     return _message(prefix, 3, 2, _list(((_KEY_HASH, _guid(prefix)), (_STATUS, _DISPOSED_AND_UNREGISTERED))))
 
 

@@ -1,9 +1,9 @@
-"""Tells whether the process of a participant has ended, long before its lease says so.
+"""Detects the end of a participant's process, long before its lease expires.
 
-DDS keeps a participant that was killed for its lease, 20 s by default. But its ports are closed at once, and a datagram to a
-closed port is answered by its host. So participants are listened to as they announce themselves (SPDP, which says where they
-are), and those that somebody waits for are sent a datagram without content. Where nothing is heard of a participant, or
-nothing answers, it counts as alive.
+DDS keeps a participant that was killed until the end of its lease, 20 s by default. Its ports close
+at once, however, and the host answers a datagram to a closed port with an error. Participants
+announce their addresses (SPDP). Those that a caller waits for are probed with empty datagrams. A
+participant counts as alive if its addresses are unknown or nothing answers.
 """
 
 import errno
@@ -31,7 +31,7 @@ _GONE = (errno.ECONNREFUSED,)
 
 
 class Liveness:
-    """Listens to the participants of a domain."""
+    """Tracks the participants of a domain."""
 
     def __init__(self, domain):
         self._participants = {}
@@ -43,7 +43,7 @@ class Liveness:
             threading.Thread(target=self._listen, args=(listening,), name="ros participants", daemon=True).start()
 
     def greet(self, own_key):
-        """Has all say where they are, to the participant of this process as well, whose key this is."""
+        """Make all participants announce themselves, also to our participant ``own_key``."""
         from rafcon.ros._greeting import greet
 
         if 0 <= self._domain < _DOMAINS:
@@ -51,7 +51,7 @@ class Liveness:
             threading.Thread(target=greet, args=arguments, name="ros greeting", daemon=True).start()
 
     def close(self):
-        """Listens no more; the thread closes the sockets when something has come, or its time is over."""
+        """Stop listening; the thread closes the sockets after the next datagram or timeout."""
         self._closed = True
 
     def _listen(self, listening):
@@ -86,27 +86,30 @@ class Liveness:
                 self._participants.pop(next(iter(self._participants))).close()
 
     def _replace(self, places):
-        """Whether somebody had these places: a process that is started again takes the ports of the one that died."""
+        """Mark participants with these addresses as replaced; True if there are any.
+
+        A restarted process takes the ports of the dead one.
+        """
         before = [each for each in self._participants.values() if each.places == places]
         for each in before:
             each.is_replaced = True
         return bool(before)
 
     def replaced_s(self, key):
-        """When a participant was found in the place of another one; -inf if it was not."""
+        """Time (s, monotonic) at which a participant replaced another; -inf if it did not."""
         with self._lock:
             known = self._participants.get(key)
             return -math.inf if known is None else known.replaced_s
 
     def has_ended(self, key):
-        """Whether the process of a participant (the first 12 bytes of its GUID) has been seen to end."""
+        """True if a participant's process has ended; ``key`` is the first 12 bytes of its GUID."""
         with self._lock:
             known = self._participants.get(key)
             return known is not None and known.has_ended()
 
 
 class _Participant:
-    """Where a participant listens, and what was learned by asking."""
+    """Addresses of a participant, and the results of probes."""
 
     def __init__(self, places, replaces):
         self.places = places
@@ -118,12 +121,12 @@ class _Participant:
         self._refusals = 0
 
     def alive(self):
-        """It has announced itself."""
+        """Note an announcement of the participant."""
         self._refusals = 0
         self.is_replaced = False
 
     def has_ended(self):
-        """Asks, if it is time to, and says what is known."""
+        """Probe the participant if a probe is due; True if its end is known."""
         now_s = time.monotonic()
         if self._refusals < _REFUSALS and now_s - self._asked_s >= _ASK_EVERY_S:
             self._asked_s = now_s
@@ -141,7 +144,7 @@ class _Participant:
             self._refusals = 0
 
     def close(self):
-        """Gives the sockets back."""
+        """Close the sockets."""
         for each in self._sockets:
             each.close()
 
@@ -162,7 +165,7 @@ _EMPTY = b"RTPS\x02\x02\x00\x00" + bytes(12)
 
 
 def _refuses(connected):
-    """Whether the port refused what was sent to it before; then sends again."""
+    """Return True if the port refused the previous datagram; then send another."""
     refused = False
     try:
         connected.recv(1)
@@ -178,7 +181,7 @@ def _refuses(connected):
 
 
 def _listening(domain):
-    """A socket that hears what all participants of a domain tell all; None where that is not possible."""
+    """Open a socket for the announcements of a domain's participants; None if not possible."""
     if not 0 <= domain < _DOMAINS:
         return None
     made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -205,7 +208,7 @@ def _join(made, address):
 
 
 def announced(content):
-    """(key, places) of the participant that announces itself in an RTPS message; None if none does."""
+    """Return (key, addresses) of the participant announced in an RTPS message, or None."""
     if len(content) < 20 or content[:4] != b"RTPS":
         return None
     at = 20

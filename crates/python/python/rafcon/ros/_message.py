@@ -1,4 +1,4 @@
-"""Messages as scripts have them: fields by attribute and by key, checked as they are set."""
+"""Messages for scripts: fields as attributes and keys, checked on assignment."""
 
 import array
 import copy
@@ -9,11 +9,11 @@ from rafcon.ros._values import MessageError, checked
 
 
 class Message(Mapping):
-    """A message of a type: ``message.linear.x`` and ``message["linear"]["x"]`` are the same.
+    """Message of a type: ``message.linear.x`` is equivalent to ``message["linear"]["x"]``.
 
-    Made by ``Message("geometry_msgs/Twist", linear={"x": 0.1})``. What is set is checked against the type at once, and a
-    message without some fields has their defaults. It can be compared, copied, pickled and used as a mapping; arrays of
-    numbers are ``bytes`` or ``array.array``.
+    Create it by ``Message("geometry_msgs/Twist", linear={"x": 0.1})``. Assigned values are checked
+    against the type at once. Missing fields have their defaults. A message can be compared, copied,
+    pickled and used as a mapping. Arrays of numbers are ``bytes`` or ``array.array``.
     """
 
     __slots__ = ("_type_name", "_types", "_values")
@@ -29,7 +29,7 @@ class Message(Mapping):
 
     @classmethod
     def of(cls, type_name, types, values):
-        """The message of values that are complete and right."""
+        """Create a message from complete and valid values."""
         message = cls.__new__(cls)
         message._bind(type_name, types, values)
         return message
@@ -41,15 +41,15 @@ class Message(Mapping):
 
     @property
     def type_name(self):
-        """The full name of its type."""
+        """Full name of the type."""
         return self._type_name
 
     def as_dict(self):
-        """Plain dictionaries and lists of the values, a copy."""
+        """Copy of the values as plain dictionaries and lists."""
         return _plain(self._values)
 
     def to(self, cls):
-        """An object of a class that ROS has made of the same type, where ``rclpy`` is there."""
+        """Convert to an object of the type's ROS class; needs ``rclpy``."""
         from rafcon.ros._rclpy_messages import filled
 
         return filled(cls, self._types.build(self._type_name, self))
@@ -128,7 +128,7 @@ class Message(Mapping):
 
 
 def _restored(type_name, types, values):
-    """A message from a pickle; it needs no ROS."""
+    """Restore a message from a pickle, without ROS."""
     known = Types(_nothing_more)
     known.learn(types)
     return Message.of(type_name, known, values)

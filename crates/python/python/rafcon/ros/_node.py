@@ -1,4 +1,4 @@
-"""The one node of this process: made when something of ROS is used first, ended with the run."""
+"""Node of this process: created on first use of ROS, closed at the end of the run."""
 
 import atexit
 import importlib.util
@@ -29,7 +29,7 @@ _LEVELS = ("debug", "info", "warning", "error")
 
 
 class Node:
-    """A back end with all that is kept of it. Made by :func:`node`."""
+    """Back end with all its shared objects, created by :func:`node`."""
 
     def __init__(self, backend, settings, use_sim_time):
         self.backend = backend
@@ -47,26 +47,29 @@ class Node:
         self.closers = {}
 
     def lost(self, why):
-        """The back end has ended without being asked to."""
+        """Handle an unexpected end of the back end."""
         logger.error("ROS is gone: %s; the next call of rafcon.ros makes a new node", why)
         self.ended = why
         _forget(self)
         _waits.ring_all()
 
     def changed(self):
-        """Nodes, endpoints, services or actions may have come or gone."""
+        """Handle possible changes of nodes, endpoints, services or actions."""
         _waits.ring_all()
 
     def say(self, level, text):
-        """A line of the back end for the log."""
+        """Log a line of the back end."""
         getattr(logger, level if level in _LEVELS else "info")("%s", text)
 
     def absolute(self, name):
-        """A name of a topic, service, action or node as an absolute one."""
+        """Convert the name of a topic, service, action or node to an absolute one."""
         return absolute(name, self.settings.namespace)
 
     def shared(self, key, make):
-        """What all calls with this key share; ``make()`` makes it, once, and callers of other keys do not wait for it."""
+        """Object shared by all calls with this key; the first call creates it with ``make()``.
+
+        Callers with other keys do not wait for it.
+        """
         with self._lock:
             self.check()
             if key in self._shared:
@@ -82,21 +85,22 @@ class Node:
             return made
 
     def find_s(self, seconds, default=FIND_S):
-        """How long (s) others are looked for: a new node hears of some only with their next announcement, in up to 3 s.
+        """Timeout (s) for finding others, extended for a new node.
 
-        Who wants less than the default gets it.
+        A new node discovers some nodes only by their next announcement, up to 3 s later. A timeout
+        below the default is not extended.
         """
         if seconds is None or seconds < default:
             return seconds
         return max(seconds, _HEARD_ALL_S - (time.monotonic() - self._began_s))
 
     def check(self):
-        """Raises :class:`BackendLost` if the node has ended."""
+        """Raise :class:`BackendLost` if the node has ended."""
         if self.ended is not None:
             raise BackendLost(f"the ROS node has ended: {self.ended}")
 
     def close(self, why):
-        """Ends the node."""
+        """Close the node."""
         with self._lock:
             if self.ended is not None:
                 return
@@ -117,7 +121,7 @@ _wanted = {}
 
 
 def configure(name=None, namespace=None, domain=None, use_sim_time=None, backend=None, types=None):
-    """Says how the node is to be, before anything else of :mod:`rafcon.ros` is used."""
+    """Configure the node, before anything else of :mod:`rafcon.ros` is used."""
     wanted = {"name": name, "namespace": namespace, "domain": domain, "use_sim_time": use_sim_time, "backend": backend}
     wanted["types"] = None if types is None else tuple(os.fspath(each) for each in ([types] if isinstance(types, str) else types))
     wanted = {key: value for key, value in wanted.items() if value is not None}
@@ -129,7 +133,7 @@ def configure(name=None, namespace=None, domain=None, use_sim_time=None, backend
 
 
 def node():
-    """The node; made if there is none."""
+    """Return the node; create it if there is none."""
     global _node
     found = _node
     if found is not None and found.pid == os.getpid():
@@ -143,7 +147,7 @@ def node():
 
 
 def close():
-    """Ends the node: goals that are under way are cancelled, publishers and subscriptions given back. None is an error."""
+    """Close the node if there is one: cancel active goals, release publishers and subscriptions."""
     global _node
     with _lock:
         found, _node = _node, None
@@ -197,7 +201,7 @@ def _backend(name):
 
 
 def types_for(name):
-    """The types with which messages of a type are made."""
+    """Types for creating messages of a type."""
     types = node().types
     types.require(name) if "/msg/" in name else types.get(name)
     return types

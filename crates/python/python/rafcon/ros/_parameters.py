@@ -20,13 +20,13 @@ _DOUBLE, _DOUBLES = 3, 8
 
 
 class ParameterError(RosError):
-    """A node does not have a parameter, or does not take a value."""
+    """A node lacks a parameter, or refuses a value."""
 
 
 def param_get(node_name, name, timeout=5.0, find=FIND_S):
-    """The value of a parameter of a node; of several, for a list of names, as a dictionary.
+    """Value of a parameter of a node; for a list of names, a dictionary of values.
 
-    A parameter that the node does not have is a :class:`ParameterError`, for a list as for one.
+    Raises :class:`ParameterError` if the node lacks a parameter, also for a list.
     """
     names = [name] if isinstance(name, str) else list(name)
     response = _ask(node_name, "get_parameters", "GetParameters", {"names": names}, timeout, find)
@@ -39,10 +39,10 @@ def param_get(node_name, name, timeout=5.0, find=FIND_S):
 
 
 def param_set(node_name, name, value=None, timeout=5.0, find=FIND_S):
-    """Sets a parameter of a node; several, if ``name`` is a dictionary.
+    """Set a parameter of a node, or several if ``name`` is a dictionary.
 
-    A whole number for a parameter that is a ``double`` is one. What the node refuses is a :class:`ParameterError` with
-    its reason; then the parameters before it are set already.
+    An integer is converted for a ``double`` parameter. If the node refuses a value,
+    :class:`ParameterError` has its reason. Other parameters of the request may be set already.
     """
     wanted = dict(name) if isinstance(name, dict) else {name: value}
     kinds = _ask(node_name, "get_parameter_types", "GetParameterTypes", {"names": list(wanted)}, timeout, find)["types"]

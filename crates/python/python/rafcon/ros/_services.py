@@ -1,4 +1,4 @@
-"""Services: calling and offering them."""
+"""Services: clients and servers."""
 
 import collections
 import math
@@ -21,16 +21,16 @@ _REQUESTS_MAX = 1000
 
 
 class NoServer(RosError):
-    """Nobody offers the service or action, or who did has ended."""
+    """The service or action has no server, or its server has ended."""
 
 
 def call(service, request=None, type=None, timeout=10.0, find=FIND_S):
-    """Calls a service; returns the response as a :class:`Message`.
+    """Call a service; return the response as a :class:`Message`.
 
-    Without a ``type`` it is the one that the service has. A server that is not there is waited for up to ``find``
-    seconds (at the start of a run a little longer, until the node has heard of all others); then, or if it ends while the
-    call waits, :class:`NoServer` is raised. No answer within ``timeout`` seconds
-    is :class:`TimedOut`.
+    The default ``type`` is that of the service. ``find`` is the timeout (s) for finding a server.
+    At the start of a run it is extended, until the node has discovered all others.
+    :class:`NoServer` is raised if it expires, or if the server ends during the call.
+    :class:`TimedOut` is raised if no response arrives within ``timeout`` (s).
     """
     here = node()
     service = here.absolute(service)
@@ -46,7 +46,7 @@ def call(service, request=None, type=None, timeout=10.0, find=FIND_S):
 
 
 def type_of_service(here, service, find):
-    """The type that a service has; it is waited for."""
+    """Find the type of a service; wait until it is known."""
     look = lambda: here.backend.services().get(service, ())  # noqa: E731
     known = here.shared(("types of", service), dict)
     if not known:
@@ -60,7 +60,11 @@ def type_of_service(here, service, find):
 
 
 def find_server(here, waiter, client, kind, name, find):
-    """Waits until somebody serves. Who did a moment ago is not looked for again: that costs more than a call."""
+    """Wait for a server; :class:`NoServer` if there is none.
+
+    A server found within the last 0.5 s is not checked again, because that takes longer than a
+    call.
+    """
     found = here.shared(("found", kind, name), dict)
     if time.monotonic() - found.get("at_s", -_FOUND_S) < _FOUND_S:
         return
@@ -75,7 +79,10 @@ def find_server(here, waiter, client, kind, name, find):
 
 
 class Gone:
-    """Tells whether those that had a request have been gone for a while: one that was started since never answers it."""
+    """Detects that all servers of a request have been missing for a while.
+
+    A server that started later does not respond to the request.
+    """
 
     def __init__(self, client):
         self._client = client
@@ -85,12 +92,12 @@ class Gone:
         self._since_s = None
 
     def sent(self):
-        """The request is sent now."""
+        """Note that the request is sent now."""
         self._sent_s = time.monotonic()
         self._had = {None}
 
     def __call__(self):
-        """Whether none of them serves any more."""
+        """True if none of the servers is available any more."""
         now_s = time.monotonic()
         if now_s - self._looked_s < LOOK_EVERY_S:
             return False
@@ -106,7 +113,7 @@ class Gone:
 
 
 class _Call:
-    """One request."""
+    """Service call."""
 
     def __init__(self, here, client, waiter, gate):
         self._here = here
@@ -118,7 +125,7 @@ class _Call:
         self._gone = Gone(client)
 
     def result(self, service, values, timeout):
-        """The response."""
+        """Send the request; return the response."""
         key = self._gate.submit(lambda: self._send(values))
         try:
             answer = self._waiter.until(self._come, _waits.seconds(timeout, "timeout"), LOOK_EVERY_S)
@@ -162,7 +169,7 @@ class Server:
         self._worker = None
 
     def close(self):
-        """Offers it no longer."""
+        """Stop offering it."""
         if self._offered is not None:
             self._offered.close()
         if self._worker is not None:
@@ -176,10 +183,11 @@ class Server:
 
 
 def serve(service, callback, type):
-    """Offers a service: ``callback(request)`` returns the response, as a mapping or a :class:`Message`; returns a :class:`Server`.
+    """Offer a service; return a :class:`Server`.
 
-    It is called on a thread of its own. If it raises, the error is logged and, if the response has a field ``success``,
-    answered as false with the error in ``message``; otherwise the caller gets no answer.
+    ``callback(request)`` returns the response, as a mapping or a :class:`Message`. It is called on
+    a thread of its own. If it raises, the error is logged. If the response has a field ``success``,
+    False is sent, with the error in ``message``. Otherwise the caller gets no response.
     """
     here = node()
     server = Server(here.absolute(service))

@@ -1,4 +1,4 @@
-"""Topics: publishing, and hearing in three ways (every message, the newest, the next that fits)."""
+"""Topics: publishers, and subscriptions to every message, the newest or the next that fits."""
 
 import collections
 import threading
@@ -27,7 +27,7 @@ _QOS = {
 
 
 def qos(value, default="default"):
-    """A quality of service of a name, a mapping, or itself."""
+    """Convert a name, depth or mapping to a quality of service; one is returned unchanged."""
     if value is None:
         value = default
     if isinstance(value, Qos):
@@ -48,12 +48,13 @@ def _checked_qos(made):
 
 
 def publish(topic, message=None, type=None, qos=None, wait=_MATCH_S):
-    """Publishes a message; the publisher stays for the next one.
+    """Publish a message; the publisher is kept for the next one.
 
-    ``message`` is a mapping, a :class:`Message`, an object of ROS, or for a type with one field its value:
-    ``publish("/chatter", "hello", "std_msgs/String")``. Without a ``type`` it is that of the message, or the one that
-    others use on the topic. A publisher that is new waits up to ``wait`` seconds until somebody hears it; at the start of
-    a run, until its node has heard of all others (3.5 s), or the first message would be lost.
+    ``message`` is a mapping, a :class:`Message`, an object of ROS, or for a type with one field its
+    value: ``publish("/chatter", "hello", "std_msgs/String")``. The default ``type`` is that of the
+    message, or the one that others use on the topic. A new publisher waits up to ``wait`` (s) for a
+    subscription. At the start of a run it waits until its node has discovered all others (3.5 s),
+    because the first message would be lost.
     """
     here = node()
     topic = here.absolute(topic)
@@ -65,7 +66,7 @@ def publish(topic, message=None, type=None, qos=None, wait=_MATCH_S):
 
 
 class _Published:
-    """A publisher that all states share."""
+    """Publisher that all states share."""
 
     def __init__(self, here, topic, type_name, quality):
         self._here = here
@@ -76,7 +77,7 @@ class _Published:
         _warn_of_other_types(here, topic, type_name, here.backend.subscriptions_of(topic))
 
     def publish(self, values, wait):
-        """Sends a message."""
+        """Send a message."""
         if self._new:
             waiter = Waiter(f"somebody who hears {self._topic}")
             wait = self._here.find_s(_waits.seconds(wait, "wait"), _MATCH_S)
@@ -86,7 +87,7 @@ class _Published:
 
 
 def _type_of(here, topic, given, message, timeout):
-    """The full name of the type that is meant on a topic."""
+    """Full name of the type for a topic."""
     if given is not None:
         return full_name(given)
     if isinstance(message, Message):
@@ -97,7 +98,7 @@ def _type_of(here, topic, given, message, timeout):
 
 
 def type_on(here, topic, timeout):
-    """The type that others use on a topic; it is waited for."""
+    """Find the type that others use on a topic; wait until it is known."""
 
     def look():
         known = here.backend.topics().get(topic, ())
@@ -118,7 +119,7 @@ def _warn_of_other_types(here, topic, type_name, endpoints):
 
 
 def unfit_publishers(here, topic, quality):
-    """In words: publishers whose quality of service this subscription does not accept; empty if there are none."""
+    """Describe publishers whose quality of service does not match; empty if there are none."""
     words = []
     for each in here.backend.publishers_of(topic):
         owner = each.node or "another node"
@@ -130,7 +131,7 @@ def unfit_publishers(here, topic, quality):
 
 
 def heard_quality(here, topic, value):
-    """The quality of service of a subscription: what is wanted, or what all publishers there are fit to."""
+    """Quality of service of a subscription: ``value``, or one that all publishers match."""
     if value is not None:
         return qos(value)
     publishers = here.backend.publishers_of(topic)
@@ -144,7 +145,10 @@ _quality_of = qos
 
 
 class Subscription:
-    """Hears a topic until ``close``; made by :func:`subscribe`. ``with`` closes it."""
+    """Receives messages of a topic until ``close``; :func:`subscribe` creates it.
+
+    ``with`` closes it.
+    """
 
     def __init__(self, here, topic, type_name, callback, quality):
         self.topic = topic
@@ -176,9 +180,10 @@ class Subscription:
             waiter.ring()
 
     def next(self, timeout=10.0, condition=None):
-        """The next message, of those for which ``condition(message)`` is true; :class:`TimedOut` if none comes.
+        """Next message for which ``condition(message)`` is true; :class:`TimedOut` if none comes.
 
-        Messages that came since the last call are kept, as many as the quality of service says. Not with a callback.
+        Messages received since the last call are queued, up to the depth of the quality of service.
+        Not available with a callback.
         """
         if self._worker is not None:
             raise RosError(f"the messages of {self.topic} go to the callback of this subscription, so none is left to wait for")
@@ -210,11 +215,11 @@ class Subscription:
         return None
 
     def publishers(self):
-        """The number of publishers that it matches."""
+        """Number of matched publishers."""
         return self._subscription.publishers()
 
     def close(self):
-        """Hears no more."""
+        """End the subscription."""
         with self._lock:
             if self._closed:
                 return
@@ -235,13 +240,14 @@ class Subscription:
 
 
 def subscribe(topic, type=None, callback=None, qos=None, timeout=10.0):
-    """Hears a topic; returns a :class:`Subscription`.
+    """Subscribe to a topic; return a :class:`Subscription`.
 
-    With a ``callback``, it is called with each message, on a thread of its own; without one, ``next`` gives them. Without
-    a ``type`` it is the one that others use on the topic; it is waited for, up to ``timeout`` seconds.
+    With a ``callback``, it is called with each message, on a thread of its own. Without one,
+    ``next`` returns the messages. The default ``type`` is the one that others use on the topic; it
+    is awaited for up to ``timeout`` (s).
 
-    It ends by ``close()``, with the run, or when the state that made it makes it again in its next run: a script that
-    forgets it leaves one, not one a run.
+    The subscription ends by ``close()``, with the run, or when its state subscribes to the topic in
+    its next run. So a script that does not close it leaves one subscription, not one per run.
     """
     here = node()
     topic = here.absolute(topic)
@@ -264,9 +270,9 @@ def _replace_earlier(here, made):
 
 
 def latest(topic, type=None, timeout=1.0, qos=None):
-    """The newest message of a topic, or None if none has come within ``timeout`` seconds.
+    """Newest message of a topic, or None if none arrives within ``timeout`` (s).
 
-    The first call begins to hear the topic; the later ones wait only while there is no message at all.
+    The first call subscribes to the topic. Later calls only wait while there is no message at all.
     """
     here = node()
     topic = here.absolute(topic)
@@ -295,9 +301,10 @@ def latest(topic, type=None, timeout=1.0, qos=None):
 
 
 def wait_for(topic, type=None, condition=None, timeout=10.0, qos=None):
-    """The next message of a topic, of those for which ``condition(message)`` is true; :class:`TimedOut` if none comes.
+    """Next message of a topic for which ``condition(message)`` is true.
 
-    Messages that were sent before the call count only on a latched topic.
+    Raises :class:`TimedOut` if none arrives. Messages sent before the call only count on a latched
+    topic.
     """
     here = node()
     topic = here.absolute(topic)

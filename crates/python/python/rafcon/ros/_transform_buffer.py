@@ -1,4 +1,4 @@
-"""A buffer of transforms: a tree of frames over time, and the way from one to another (what ``tf2`` does)."""
+"""Buffer of transforms: a tree of frames over time, and paths between frames (like ``tf2``)."""
 
 import bisect
 import math
@@ -14,12 +14,12 @@ _DEPTH_MAX = 1000
 
 
 class NoTransform(Exception):
-    """There is no way between two frames (yet); the text says why."""
+    """There is no path between two frames (yet); the message gives the reason."""
 
 
 @dataclass(frozen=True)
 class Transform:
-    """Where ``source`` is in ``target``: it takes points of ``source`` to points of ``target``."""
+    """Pose of ``source`` in ``target``; converts points of ``source`` to points of ``target``."""
 
     target: str
     source: str
@@ -31,17 +31,17 @@ class Transform:
     stamp: float = 0.0
 
     def apply(self, point):
-        """A point (x, y, z) of ``source`` as one of ``target``."""
+        """Convert a point (x, y, z) of ``source`` to a point of ``target``."""
         return tuple(a + b for a, b in zip(_turned(self.rotation, tuple(point)), self.translation))
 
     def inverse(self):
-        """The way back."""
+        """Inverse transform."""
         back = _conjugate(self.rotation)
         moved = tuple(-each for each in _turned(back, self.translation))
         return Transform(self.source, self.target, moved, back, self.stamp)
 
     def matrix(self):
-        """Four rows of four numbers."""
+        """Homogeneous matrix: four rows of four numbers."""
         x, y, z, w = self.rotation
         rows = (
             (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
@@ -51,12 +51,12 @@ class Transform:
         return tuple((*row, moved) for row, moved in zip(rows, self.translation)) + ((0.0, 0.0, 0.0, 1.0),)
 
     def yaw(self):
-        """The turn about the z axis, in radians."""
+        """Rotation about the z axis, in radians."""
         x, y, z, w = self.rotation
         return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
     def as_dict(self):
-        """Its values by name."""
+        """Values by name."""
         return {
             "target": self.target,
             "source": self.source,
@@ -67,7 +67,7 @@ class Transform:
 
 
 class Buffer:
-    """The transforms that came; any thread may use it."""
+    """Received transforms; thread-safe."""
 
     def __init__(self):
         self._lock = threading.Lock()
@@ -75,7 +75,11 @@ class Buffer:
         self._newest_ns = 0
 
     def add(self, child, parent, stamp_ns, translation, rotation, static):
-        """Takes a transform; False if it makes no sense: no numbers, no turn, or a frame in itself."""
+        """Add a transform; False if it is invalid.
+
+        Invalid are values that are not finite, rotations of length 0, frames without a name, and a
+        frame as its own parent.
+        """
         child, parent = _frame(child), _frame(parent)
         numbers = (*translation, *rotation)
         length = math.sqrt(sum(each * each for each in rotation))
@@ -99,13 +103,16 @@ class Buffer:
         self._newest_ns = max(self._newest_ns, stamp_ns)
 
     def frames(self):
-        """The names of all frames."""
+        """Names of all frames."""
         with self._lock:
             parents = {sample[1] for line in self._frames.values() for sample in line.samples}
             return sorted(parents | set(self._frames))
 
     def find(self, target, source, stamp_ns=None):
-        """The transform at a time, or the newest that all frames on the way have; raises :class:`NoTransform`."""
+        """Transform at a time, by default the newest common time of all frames on the path.
+
+        Raises :class:`NoTransform`.
+        """
         target, source = _frame(target), _frame(source)
         with self._lock:
             if target == source:
@@ -125,7 +132,7 @@ class Buffer:
         return Transform(target, source, translation, rotation, (common or 0) / 1e9)
 
     def _ways(self, target, source, stamp_ns):
-        """The frames up from the source, and up from the target, to where both meet."""
+        """Frames from the source, and from the target, up to their common frame."""
         above_source, above_target = self._line_up(source, stamp_ns), self._line_up(target, stamp_ns)
         met = next((frame for frame in above_source if frame in above_target), None)
         if met is None:
@@ -158,14 +165,14 @@ class Buffer:
 
 
 class _Line:
-    """The transforms of one frame to its parent, by time."""
+    """Transforms of one frame to its parent, by time."""
 
     def __init__(self, static):
         self.static = static
         self.samples = []
 
     def add(self, sample):
-        """One more, in order; a second one of a time replaces the first."""
+        """Insert a sample in order; it replaces one of equal time."""
         if self.static:
             self.samples[:] = [sample]
             return
@@ -179,13 +186,13 @@ class _Line:
             del self.samples[: _place(self.samples, oldest)]
 
     def parent(self, stamp_ns):
-        """The frame above at a time."""
+        """Parent frame at a time."""
         if self.static or stamp_ns is None:
             return self.samples[-1][1]
         return self.samples[min(_place(self.samples, stamp_ns), len(self.samples) - 1)][1]
 
     def at(self, frame, stamp_ns):
-        """(translation, rotation) at a time, between the two that came around it."""
+        """Return (translation, rotation) at a time, interpolated between two samples."""
         if self.static or stamp_ns is None:
             return self.samples[-1][2:]
         after = _place(self.samples, stamp_ns)
@@ -240,7 +247,7 @@ def _turned(rotation, point):
 
 
 def _between(one, two, share):
-    """The shorter way from one rotation to another, at constant speed."""
+    """Interpolate between two rotations, by the shorter path, at constant speed."""
     dot = sum(a * b for a, b in zip(one, two))
     if dot < 0:
         two, dot = tuple(-each for each in two), -dot

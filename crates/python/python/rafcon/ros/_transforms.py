@@ -14,7 +14,7 @@ _NS = 1_000_000_000
 
 
 class _Heard:
-    """The buffer of the node, and who waits for transforms."""
+    """Buffer of the node, and waiters for transforms."""
 
     def __init__(self, here):
         self.buffer = Buffer()
@@ -40,11 +40,11 @@ class _Heard:
 
 
 def transform(target, source, time=None, timeout=2.0):
-    """Where the frame ``source`` is in the frame ``target``, as a :class:`Transform`.
+    """Pose of the frame ``source`` in the frame ``target``, as a :class:`Transform`.
 
-    ``time`` is in seconds, as :func:`now` gives them; without one it is the newest that all frames on the way have. A
-    transform that is not there yet is waited for; :class:`TimedOut` says what is missing. The first call begins to hear
-    the transforms.
+    ``time`` (s) is a time as of :func:`now`; by default it is the newest common time of all frames
+    on the path. Waits for a missing transform; the message of :class:`TimedOut` says what is
+    missing. The first call subscribes to the transforms.
     """
     here = node()
     heard = here.shared(("transforms",), lambda: _Heard(here))

@@ -1,4 +1,4 @@
-"""Types by name, and messages of them: complete, checked, with the defaults of the type."""
+"""Types by name, and their messages: complete, checked, with the defaults of the type."""
 
 import difflib
 import threading
@@ -11,7 +11,10 @@ _KINDS = ("msg", "srv", "action")
 
 
 def full_name(name, kind="msg"):
-    """``geometry_msgs/Twist`` and ``geometry_msgs.msg.Twist`` as ``geometry_msgs/msg/Twist``; a class as its name."""
+    """Full name of a type: ``geometry_msgs/Twist`` becomes ``geometry_msgs/msg/Twist``.
+
+    Dots are accepted instead of slashes, and classes and objects of ROS instead of a name.
+    """
     if not isinstance(name, str):
         return _name_of_class(name)
     parts = [part for part in name.replace(".", "/").replace("::", "/").split("/") if part]
@@ -37,12 +40,12 @@ def _name_of_class(cls):
 
 
 def is_ros_object(value):
-    """Whether a value is a message of a class that ROS has made."""
+    """True if a value is a message of a ROS class."""
     return hasattr(type(value), "get_fields_and_field_types")
 
 
 class Types:
-    """The types that are known so far; others are asked for by ``describe(name)``."""
+    """Cache of types; ``describe(name)`` provides missing ones."""
 
     def __init__(self, describe):
         self._describe = describe
@@ -51,18 +54,18 @@ class Types:
         self._asked = set()
 
     def learn(self, types):
-        """Takes types from elsewhere, by name."""
+        """Add types by name."""
         with self._lock:
             self._known.update(types)
 
     def require(self, name):
-        """Asks for a type (or a service, an action) with all that it is made of."""
+        """Load a type (or a service, an action) with all types that it contains."""
         if name not in self._asked and name not in self._known:
             self.learn(self._describe(name))
             self._asked.add(name)
 
     def get(self, name):
-        """A message type by name, such as ``std_srvs/srv/Trigger_Request``."""
+        """Message type by name, such as ``std_srvs/srv/Trigger_Request``."""
         found = self._known.get(name)
         if found is None:
             base, _, part = name.rpartition("_")
@@ -73,7 +76,7 @@ class Types:
         return found
 
     def closure(self, name):
-        """The type with all that it is made of, by name."""
+        """Type with all types that it contains, by name."""
         found = {}
         wanted = [name]
         while wanted:
@@ -83,11 +86,11 @@ class Types:
         return found
 
     def empty(self, name):
-        """A message with the defaults of its type."""
+        """Message with the defaults of its type."""
         return {field.name: zero(field, self.empty) for field in self.get(name).fields}
 
     def build(self, name, value=None, where=None):
-        """A whole, checked message of what a user wrote: a mapping, a message, or the value of its only field."""
+        """Build a complete, checked message from a mapping, a message, or its only value."""
         type_ = self.get(name)
         where = where or name
         given = self._given(type_, value, where)
@@ -133,14 +136,14 @@ def _kind(cls):
 
 
 def _plain(field, value):
-    """A field of an object of ROS; a byte is a ``bytes`` of one there."""
+    """Convert a field of an object of ROS, in which a byte is a ``bytes`` of length 1."""
     if field.type != "byte":
         return value
     return value[0] if field.kind == "one" else b"".join(value)
 
 
 def absolute(name, namespace="/"):
-    """A name of a topic, service, action or node as an absolute one."""
+    """Convert the name of a topic, service, action or node to an absolute one."""
     if not isinstance(name, str) or not name.strip("/"):
         raise RosError(f"{name!r} is no name of a topic, service, action or node; write it as /robot/scan")
     name = name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"

@@ -1,4 +1,4 @@
-"""Values of fields: from what users write to the form of :mod:`rafcon.ros._backend`, checked against the type."""
+"""Conversion of users' values of fields to the form of :mod:`rafcon.ros._backend`, with checks."""
 
 import array
 import math
@@ -17,25 +17,25 @@ _SHOWN_MAX = 60
 
 
 class MessageError(RosError, TypeError, ValueError):
-    """A value does not fit its field; the text names message, field, what is expected and what was given."""
+    """A value does not fit its field; the message names message, field, expectation and value."""
 
 
 def problem(where, expected, value):
-    """The error for a value at a place (``geometry_msgs/msg/Twist.linear.x``)."""
+    """Create the error for a value of a field (``geometry_msgs/msg/Twist.linear.x``)."""
     shown = repr(value)
     shown = shown if len(shown) <= _SHOWN_MAX else shown[:_SHOWN_MAX] + "…"
     return MessageError(f"{where}: {expected} is expected, not {shown} ({type(value).__name__})")
 
 
 def spelled(field):
-    """The type of a field as in interface files: ``float64[36]``, ``string<=10``, ``geometry_msgs/msg/Point[]``."""
+    """Type of a field as in interface files, such as ``float64[36]`` or ``string<=10``."""
     text = field.type + (f"<={field.text_max}" if field.text_max else "")
     ends = {"one": "", "fixed": f"[{field.size}]", "bounded": f"[<={field.size}]", "unbounded": "[]"}
     return text + ends[field.kind]
 
 
 def zero(field, message):
-    """The value of a field that nothing was said of; ``message(name)`` makes an empty message of a type."""
+    """Default value of a field; ``message(name)`` creates an empty message of a type."""
     if field.default is not None:
         return list(field.default) if isinstance(field.default, list) else field.default[:] if _is_array(field.default) else field.default
     if field.kind == "one":
@@ -63,7 +63,10 @@ def _zero_item(name, message):
 
 
 def checked(field, value, where, message):
-    """A user's value as the value of a field; ``message(name, value, where)`` checks nested messages."""
+    """Convert a user's value to the value of a field; :class:`MessageError` if it does not fit.
+
+    ``message(name, value, where)`` checks nested messages.
+    """
     if field.kind == "one":
         return _item(field, value, where, message)
     values = _array(field, value, where, message)

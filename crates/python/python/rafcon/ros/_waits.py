@@ -1,4 +1,4 @@
-"""Waits for what back ends tell: they end by preemption of the waiting script's state, and have a time."""
+"""Waits for events of back ends, with timeouts; preemption of the script's state ends them."""
 
 import threading
 import time
@@ -16,11 +16,11 @@ _waiting_lock = threading.Lock()
 
 
 class TimedOut(RosError, TimeoutError):
-    """The time of a wait is over."""
+    """The timeout of a wait has expired."""
 
 
 class Waiter:
-    """The waits of one call on one thread; ``ring`` may be called on any thread."""
+    """Waits of one call on one thread; ``ring`` may be called on any thread."""
 
     def __init__(self, what):
         self._what = what
@@ -32,27 +32,28 @@ class Waiter:
             _waiting.add(self)
 
     def ring(self):
-        """What is waited for may have happened."""
+        """Wake the waiter, because its condition may have changed."""
         self._event.set()
         if self._signals is not None:
             self._signals.nudged = True
 
     def heeding(self):
-        """Whether preemption ends a wait."""
+        """True if preemption ends a wait."""
         return self._heeds
 
     def heed(self, heeds):
-        """Says whether preemption ends a wait from now on."""
+        """Set if preemption ends waits from now on."""
         self._heeds = heeds
 
     def preempted(self):
-        """Whether the state is preempted and its script has not been told."""
+        """True if the state is preempted and its script has not seen it."""
         return self._heeds and self._signals.preempted
 
     def until(self, come, timeout=None, look_every=None):
-        """The first true answer of ``come()``; something false once the time (s) is over.
+        """Wait for a true result of ``come()``; return it, or a false result after the timeout (s).
 
-        ``come`` is asked after each ``ring``, and every ``look_every`` seconds. Raises :class:`StatePreempted`.
+        ``come`` is called after each ``ring``, and every ``look_every`` seconds. Raises
+        :class:`StatePreempted`.
         """
         end_s = None if timeout is None else time.monotonic() + timeout
         while True:
@@ -80,14 +81,14 @@ class Waiter:
                 self._signals.wait(mask, _signals.seconds(seconds))
 
     def preemption(self):
-        """The exception that ends the script; from now on the script has been told."""
+        """Return the exception that ends the script, and note that the script has seen it."""
         self._state.preempted  # noqa: B018, reading it notes that
         self._heeds = False
         return StatePreempted(f"preempted while waiting for {self._what}")
 
 
 def ring_all():
-    """All that wait look again: the node has ended."""
+    """Wake all waiters, for example when the node has ended."""
     with _waiting_lock:
         waiting = list(_waiting)
     for waiter in waiting:
@@ -95,7 +96,7 @@ def ring_all():
 
 
 def seconds(value, name):
-    """A time that a user gave: not negative, or None for ever."""
+    """Check a user's timeout (s): not negative, or None for no limit."""
     if value is None:
         return None
     value = float(value)

@@ -1,4 +1,4 @@
-"""Threads on which callbacks of users run, so that the back end waits for none of them."""
+"""Threads for callbacks of users, so that the back end waits for none of them."""
 
 import collections
 import threading
@@ -9,7 +9,7 @@ logger = get_logger("ros")
 
 
 class Worker:
-    """Calls a function with what is put, one after the other, on a thread of its own that ends with ``close``."""
+    """Calls a function with each item of a queue, on a thread of its own, until ``close``."""
 
     def __init__(self, name, function, waiting_max):
         self._name = name
@@ -21,7 +21,7 @@ class Worker:
         self._thread = None
 
     def put(self, item):
-        """One more; the oldest goes if too many wait."""
+        """Queue an item; if the queue is full, drop the oldest one."""
         with self._changed:
             if self._closed:
                 return
@@ -35,7 +35,7 @@ class Worker:
             self._changed.notify()
 
     def close(self):
-        """Nothing more begins."""
+        """Stop: clear the queue, and begin no other call."""
         with self._changed:
             self._closed = True
             self._items.clear()
