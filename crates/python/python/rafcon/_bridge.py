@@ -1,7 +1,8 @@
 """Access to the compiled module ``rafcon._native``.
 
-All code that queries the running machine imports ``native`` from here. Without the compiled module,
-or in a plain interpreter, every attribute of ``native`` raises :class:`NoRunningMachine`.
+All code that queries the running machine imports ``native`` from here. In a plain interpreter,
+queries of the running machine raise ``RuntimeError``. Without the compiled module, ``native`` only
+has ``current_path``; everything else raises :class:`NoRunningMachine`, a ``RuntimeError``.
 """
 
 import importlib

@@ -31,7 +31,7 @@ def install_in_program():
 
 
 def _before():
-    # Block signals until the child has its own handlers; otherwise the runner's handlers would run.
+    # Block signals until the child has its own handlers; the inherited ones notify the runner.
     _masks.before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
 
 

@@ -1,4 +1,4 @@
-"""Names and ids of new elements, counted through the process like those of the reference."""
+"""Names and ids of new elements. Numbers count through the process, as in the reference."""
 
 import itertools
 import random

@@ -168,10 +168,10 @@ def plan(
 
     ``pool`` is a library path with skills, or a list of them. ``facts`` is a PDDL problem as text,
     and ``goal`` a PDDL condition that replaces the problem's. ``types`` maps types to their parent
-    types, and ``data`` objects to their values while a machine runs. ``then`` is the action after a
-    failed step whose skill has none: ``give_up``, ``ask`` or ``replan`` (with the library
-    ``observe``). ``on_plan`` is called with each plan, including plans that are followed by a
-    better one (``anytime``). With ``state``, preemption of that state ends the engine and raises
+    types, and ``data`` objects to their runtime data. ``time_limit`` is in seconds. ``then`` is the
+    action after a failed step whose skill has none: ``give_up``, ``ask`` or ``replan`` (with the
+    library ``observe``). ``on_plan`` is called with each plan, including plans that are followed by
+    a better one (``anytime``). With ``state``, preemption of that state ends the engine and raises
     ``StatePreempted``.
     """
     request = {

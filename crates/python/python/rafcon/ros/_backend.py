@@ -2,7 +2,8 @@
 
 Names
     Every name of a topic, service, action or node is absolute (``/robot/scan``), and every type has
-    its full name: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger``, ``nav2_msgs/action/NavigateToPose``.
+    its full name: ``geometry_msgs/msg/Twist``, ``std_srvs/srv/Trigger``,
+    ``nav2_msgs/action/NavigateToPose``.
 
 Messages
     A message is a plain ``dict`` from the name of each field to its value, and holds all fields in the order of the
@@ -178,11 +179,10 @@ class Client(Closable, Protocol):
     def servers(self, sent_s: float = math.inf) -> AbstractSet[Optional[bytes]]:
         """Processes of the servers that a request would reach now; None for unknown processes.
 
-        With ``sent_s`` (by ``time.monotonic``), servers are excluded that started later in the
-        place of a dead one. A server that ends properly disappears at once, and one that is killed
-        within 1.5 s while a call waits. The lease of its participant, 20 s by default, is too long
-        for that. A reliable reader that acknowledges nothing has disappeared, too. A live but busy
-        server stays.
+        With ``sent_s`` (by ``time.monotonic``), excludes servers that started later in the place of
+        a dead one. A server that ends properly disappears at once. One that is killed during a call
+        disappears within 1.5 s, long before the lease of its participant expires (20 s by default).
+        So does one whose reliable reader acknowledges nothing. A live but busy server stays.
         """
 
     def send(self, request: Dict[str, Any], done: Callable[[Optional[Dict[str, Any]], Optional[str]], None]) -> Closable:

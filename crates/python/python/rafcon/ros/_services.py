@@ -97,7 +97,7 @@ class Gone:
         self._had = {None}
 
     def __call__(self):
-        """True if none of the servers is available any more."""
+        """True if none of the servers has been available for 0.3 s."""
         now_s = time.monotonic()
         if now_s - self._looked_s < LOOK_EVERY_S:
             return False

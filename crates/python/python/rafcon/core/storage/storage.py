@@ -68,10 +68,11 @@ def _refuse_missing(state):
 
 
 def save_state_machine_to_path(state_machine, base_path, delete_old_state_machine=False, as_copy=False):
-    """Save a machine to a folder. The save is atomic.
+    """Save a machine to a folder. The save is atomic, except with ``delete_old_state_machine``.
 
     With ``as_copy`` the machine keeps its previous folder. ``delete_old_state_machine`` also
-    deletes everything else in the folder.
+    deletes everything else in the folder; the old folder is restored after an error, but not after
+    a crash.
     """
     if state_machine._facts is not None:
         raise MachineChangeNotSupported("storage.save_state_machine_to_path(…)")

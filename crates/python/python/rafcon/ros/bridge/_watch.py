@@ -39,7 +39,7 @@ class RunNow:
 
 
 def _holder(control):
-    """Holder of control of a run; None if the holder was silent until others may take it."""
+    """Holder of control of a run; None if its silence permits others to take control."""
     silent_ms = control.get("now_ms", 0) - control.get("heard_ms", 0)
     return None if silent_ms >= control.get("silence_ms", 0) else control.get("holder")
 
