@@ -33,7 +33,11 @@ def unpickle(data):
 
 
 class Ledger:
-    """Queue of changes of the global variables for the journal, in chronological order."""
+    """Queue of changes of the global variables for the journal, in chronological order.
+
+    ``journal`` has ``keep(value, carrier)`` and ``write(name, kept)``. Without a journal nothing is
+    kept.
+    """
 
     def __init__(self, journal=None):
         self._journal = journal

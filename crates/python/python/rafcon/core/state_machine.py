@@ -132,7 +132,11 @@ class StateMachine:
         return [ExecutionHistory(self.root_state)]
 
     def get_last_execution_log_filename(self):
-        """Write a log of the last run for :mod:`rafcon.utils.execution_log`; return its name."""
+        """Write a log of the last run for :mod:`rafcon.utils.execution_log`; return its name.
+
+        The folder is ``EXECUTION_LOG_PATH`` of the configuration. The log has values in readable
+        form, if the run kept a journal. The journal itself has more details, also after a crash.
+        """
         from rafcon import _log_file
 
         return _log_file.write(self)

@@ -68,7 +68,10 @@ class DataPort(StateElement):
             set_default(self, default)
 
     def change_data_type(self, data_type, default_value=None):
-        """Set the type and the default; without a default, convert the present one to the type."""
+        """Set the type and the default; without a default, convert the present one to the type.
+
+        A default that cannot be converted is dropped, and a warning is logged.
+        """
         data_type = convert_string_to_type(data_type)
         if default_value is None:
             default = _converted(self.default_value, data_type)

@@ -10,7 +10,11 @@ UNIQUE_DECIDER_STATE_ID = "unique_decider_state_id"
 
 
 class BarrierConcurrencyState(ConcurrencyState):
-    """Container that runs its states in parallel and waits for all; a decider sets the outcome."""
+    """Container that runs its states in parallel and waits for all; a decider sets the outcome.
+
+    A new one gets a new decider, unless ``decider_state`` is given. The other arguments are those
+    of any container.
+    """
 
     _kind = "barrier"
 

@@ -192,7 +192,13 @@ class ContainerState(ContainerChanges, State):
         return None if state is None else state.outcomes.get(outcome_id)
 
     def get_connections_for_state(self, state_id):
-        """Connections of a state inside: a pair of dictionaries, for transitions and data flows."""
+        """Connections of a state inside: a pair of dictionaries, for transitions and data flows.
+
+        Each contains dictionaries of lists. ``["external"]`` has the connections in this container
+        as ``ingoing``, ``outgoing`` and ``self`` (from the state to itself). ``["internal"]`` has
+        those inside the state, if it is a container, as ``enclosed`` (between its children),
+        ``ingoing``, ``outgoing`` and ``self``.
+        """
         state = self.states[state_id]
         inside = isinstance(state, ContainerState)
         return (
