@@ -285,7 +285,7 @@ class Built:
         self._release(container, group, taken)
 
     def store_notes(self):
-        """Store the notes that users changed in place in the document."""
+        """Copy notes that users changed in place to the document."""
         for state in self.top._known_states():
             state._store_notes()
 

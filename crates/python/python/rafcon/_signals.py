@@ -30,9 +30,9 @@ class Idle:
         self.preempted = self.paused = self.started = self.nudged = False
 
     def wait(self, mask, timeout):
-        """Wait until a flag of the mask is set; False if the timeout (s) expired.
+        """Return True if a flag of the mask is set, else False after the timeout (s).
 
-        Without a timeout, raises ``NoRunningMachine`` unless a flag is already set.
+        Raises ``NoRunningMachine`` instead of waiting without a timeout.
         """
         flags = {PREEMPTED: self.preempted, PAUSED: self.paused, STARTED: self.started, NUDGED: self.nudged}
         if any(on for flag, on in flags.items() if flag & mask):

@@ -31,7 +31,7 @@ class SemanticData:
         self._store_notes()
 
     def _store_notes(self):
-        """Store changes made in place in the machine."""
+        """Copy changes made in place to the machine."""
         if self._notes is not None and self._notes != self._facts["semantic_data"]:
             self._change("state.semantic_data", json.dumps(self._notes) if self._notes else None)
 
