@@ -93,11 +93,6 @@ def _configure_basically(**options):
             root.addHandler(handler)
 
 
-def released(self):
-        """Write to standard error from now on: the machine runs in another process."""
-        self._forked = True
-
-
 def release():
     """In a forked child: write log records to standard error."""
     for handler in [*get_logger("rafcon").handlers, *logging.root.handlers]:
