@@ -38,7 +38,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut robot_side = RobotSession::new(&identity, profile.clone());
     robot_side.begin(StreamId(1), 100);
     let mut station = StationSession::new(&identity, profile.clone());
-    station.watch(StreamId(1), 1, b"the arm".to_vec()).expect("a short wish");
+    station.watch(StreamId(1), 1, b"the arm".to_vec()).expect("a short list");
     let value = ValueName { stream: StreamId(1), number: 1, id: ValueId([4; 16]) };
     station.fetch(value, 20_000, RangeSet::default(), 40_000);
     let sealer = |direction| Sealer::new((id, &key), robot, direction, SenderStart::new(2, 0));
@@ -60,8 +60,8 @@ fuzz_target!(|bytes: &[u8]| {
             false => robot_side.receive(now, &mut datagram, drop),
         };
         assert!(is_sealed || used.is_err(), "a datagram that nobody sealed was opened");
-        while let Some(wish) = robot_side.take_wish() {
-            robot_side.set_wish(wish.stream, wish.number);
+        while let Some(subscription) = robot_side.take_subscription() {
+            robot_side.set_subscription(subscription.stream, subscription.number);
         }
         while let Some(datagram) = robot_side.transmit(now, &mut Journal).expect("a number") {
             assert!(datagram.len() <= profile.down_bytes_max);

@@ -55,8 +55,8 @@ const VALUE: ValueName = ValueName { stream: RUN, number: 1, id: ValueId([4; 16]
 const VALUE_BYTES: u64 = 20_000;
 
 /// The station watches values and fetches one.
-fn wish(station: &mut StationSession) {
-    station.watch(RUN, 1, b"the arm".to_vec()).expect("a short wish");
+fn watch(station: &mut StationSession) {
+    station.watch(RUN, 1, b"the arm".to_vec()).expect("a short list");
     station.fetch(VALUE, VALUE_BYTES, RangeSet::default(), 2 * VALUE_BYTES);
 }
 
@@ -90,7 +90,7 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
             robot.append(&Events { stream: RUN, first, count: 1, t_before: first, items: &items });
         }
         if step == 100 {
-            wish(&mut station);
+            watch(&mut station);
         }
         if step > 500 && step % 50 == 0 {
             let (priority, bytes) = (0, step.to_be_bytes().to_vec());
@@ -146,7 +146,7 @@ proptest! {
     #[test]
     fn whatever_comes_is_used_or_refused(down in hostile(0), up in hostile(1)) {
         let (mut robot, mut station) = sessions();
-        wish(&mut station);
+        watch(&mut station);
         let (mut from_robot, mut from_station) = (sealer(Direction::Down), sealer(Direction::Up));
         let most = down.len().max(up.len());
         for step in 0..most {
@@ -221,7 +221,7 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
 /// Each byte of a large value that comes by itself costs a station memory.
 #[test]
 fn a_station_notes_only_so_many_parts_of_a_large_value() {
-    use crate::frame::{Frame, ValuePart, WishFrame};
+    use crate::frame::{Frame, ValueFrame, ValuePart};
     let (_, mut station) = sessions();
     station.fetch(VALUE, 1 << 30, RangeSet::default(), 1 << 30);
     let mut sealer = sealer(Direction::Down);
@@ -230,7 +230,7 @@ fn a_station_notes_only_so_many_parts_of_a_large_value() {
         let mut payload = vec![0];
         while payload.len() < 1_100 {
             let part = ValuePart { id: VALUE.id, offset, bytes: b"x" };
-            Frame::Wish(WishFrame::ValuePart(part)).write(&mut payload);
+            Frame::Value(ValueFrame::ValuePart(part)).write(&mut payload);
             offset += 2;
         }
         payload.truncate(Profile::DELAY_2S.down_bytes_max - OVERHEAD);

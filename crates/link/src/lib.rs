@@ -25,7 +25,7 @@ mod send_rate;
 mod station;
 mod traffic;
 #[cfg(test)]
-mod wish_tests;
+mod value_tests;
 
 pub use assembly::LENGTH_MAX;
 pub use bytes::{BrokenFrame, FrameReader, write_number};
@@ -39,7 +39,8 @@ pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Compression, Profile};
 pub use range_set::RangeSet;
 pub use robot::{
-    EventBuffer, NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, Wish,
+    EventBuffer, NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX,
+    WatchSubscription,
 };
 pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,

@@ -47,7 +47,7 @@ impl Frame<'_> {
             Self::NewKey { .. } => "keys",
             Self::Command(_) | Self::CommandPart(_) => "commands",
             Self::Arrived { .. } | Self::Received(_) => "reports",
-            Self::Wish(wish) => wish.kind(),
+            Self::Value(frame) => frame.kind(),
         }
     }
 }

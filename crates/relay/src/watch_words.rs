@@ -5,7 +5,7 @@ use rafcon_protocol::{LongValue, WATCHED_MAX, WatchKind, WatchTarget, WatchedVal
 use serde_json::Value;
 
 /// Longest list after inflation, in bytes.
-const WISH_BYTES_MAX: usize = 256 << 10;
+const WATCH_BYTES_MAX: usize = 256 << 10;
 
 /// Maximum number of runs of a robot that are watched at a time.
 pub(crate) const RUNS_MAX: usize = 64;
@@ -29,7 +29,7 @@ fn kind(letter: char) -> Option<WatchKind> {
 type TargetWords = (char, String, String, u8);
 
 /// Encodes a list. An empty list has no bytes.
-pub(crate) fn wish(targets: &[WatchTarget]) -> Vec<u8> {
+pub(crate) fn write_targets(targets: &[WatchTarget]) -> Vec<u8> {
     if targets.is_empty() {
         return Vec::new();
     }
@@ -41,11 +41,11 @@ pub(crate) fn wish(targets: &[WatchTarget]) -> Vec<u8> {
 }
 
 /// Parses a list. `None` if it is invalid.
-pub(crate) fn read_wish(body: &[u8]) -> Option<Vec<WatchTarget>> {
+pub(crate) fn read_targets(body: &[u8]) -> Option<Vec<WatchTarget>> {
     if body.is_empty() {
         return Some(Vec::new());
     }
-    let words: Vec<TargetWords> = serde_json::from_slice(&inflate(body, WISH_BYTES_MAX)?).ok()?;
+    let words: Vec<TargetWords> = serde_json::from_slice(&inflate(body, WATCH_BYTES_MAX)?).ok()?;
     let target = |(letter, path, name, priority): TargetWords| {
         Some(WatchTarget { kind: kind(letter)?, path, name, priority })
     };
@@ -81,7 +81,7 @@ pub(crate) fn read_value(bytes: &[u8]) -> Option<WatchedValue> {
 
 #[cfg(test)]
 mod tests {
-    use super::{WISH_BYTES_MAX, read_value, read_wish, value, wish};
+    use super::{WATCH_BYTES_MAX, read_targets, read_value, value, write_targets};
     use expect_test::expect;
     use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
 
@@ -95,10 +95,10 @@ mod tests {
                 priority: 1,
             })
             .collect();
-        let body = wish(&targets);
+        let body = write_targets(&targets);
         assert!(body.len() < 400, "{} bytes", body.len());
-        assert_eq!(read_wish(&body), Some(targets));
-        assert_eq!(read_wish(&wish(&[])), Some(Vec::new()));
+        assert_eq!(read_targets(&body), Some(targets));
+        assert_eq!(read_targets(&write_targets(&[])), Some(Vec::new()));
     }
 
     #[test]
@@ -106,7 +106,7 @@ mod tests {
         let bomb = rafcon_link::deflate(&vec![b' '; 1 << 20]);
         let unknown = rafcon_link::deflate(br#"[["x","R","n",0]]"#);
         for body in [&[1, 2, 3][..], &bomb, &unknown] {
-            assert_eq!(read_wish(body), None);
+            assert_eq!(read_targets(body), None);
         }
     }
 
@@ -144,7 +144,7 @@ mod tests {
             let path = "R".repeat(rest);
             rafcon_link::deflate(format!(r#"[["s","{path}","n",0]]"#).as_bytes())
         };
-        assert_eq!(read_wish(&body(WISH_BYTES_MAX)).map(|targets| targets.len()), Some(1));
-        assert_eq!(read_wish(&body(WISH_BYTES_MAX + 1)), None);
+        assert_eq!(read_targets(&body(WATCH_BYTES_MAX)).map(|targets| targets.len()), Some(1));
+        assert_eq!(read_targets(&body(WATCH_BYTES_MAX + 1)), None);
     }
 }

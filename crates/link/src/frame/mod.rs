@@ -2,14 +2,14 @@
 
 mod command;
 mod received;
-mod wishes;
+mod values;
 
 pub(crate) use command::{Body, Command, CommandPart, PartsHere, Terms};
 pub use command::{BriefId, COMMAND_LENGTH_MAX, CommandId};
 pub(crate) use received::{PartialEvent, Received};
 use received::{RECEIVED, read_ranges, read_received, write_ranges, write_received};
-pub(crate) use wishes::{Fetch, ValuePart, WatchPart, Watched, WishFrame};
-pub use wishes::{NoValue, ValueId, ValueName};
+pub(crate) use values::{Fetch, ValueFrame, ValuePart, WatchPart, Watched};
+pub use values::{NoValue, ValueId, ValueName};
 
 use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_number};
 use crate::coding::ContextId;
@@ -226,7 +226,7 @@ pub(crate) enum Frame<'b> {
     /// Events of a run at the station.
     Received(Received),
     /// A request of a station for values, or the reply.
-    Wish(WishFrame<'b>),
+    Value(ValueFrame<'b>),
 }
 
 const EVENTS: u8 = 1;
@@ -304,7 +304,7 @@ impl<'b> Frame<'b> {
             }
             Self::Arrived { bytes, longest } => numbers(ARRIVED, &[*bytes, *longest]),
             Self::Received(received) => write_received(received, out),
-            Self::Wish(wish) => wish.write(out),
+            Self::Value(frame) => frame.write(out),
         }
     }
 
@@ -369,7 +369,7 @@ impl<'b> Frame<'b> {
             },
             ARRIVED => Self::Arrived { bytes: reader.number()?, longest: reader.number()? },
             RECEIVED => Self::Received(read_received(reader)?),
-            kind => Self::Wish(WishFrame::read(kind, reader)?),
+            kind => Self::Value(ValueFrame::read(kind, reader)?),
         })
     }
 }

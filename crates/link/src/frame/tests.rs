@@ -5,7 +5,7 @@ use super::{
     Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandPart, CommandState, EventHash, Events,
     Frame, Packing, PartialEvent, PartsHere, RANGES_MAX, Received, StreamId, Terms,
 };
-use super::{Fetch, NoValue, ValueId, ValueName, ValuePart, WatchPart, Watched, WishFrame};
+use super::{Fetch, NoValue, ValueFrame, ValueId, ValueName, ValuePart, WatchPart, Watched};
 use crate::bytes::{BrokenFrame, write_number};
 use crate::coding::{ContextId, ContextName};
 use crate::range_set::RangeSet;
@@ -144,7 +144,7 @@ fn received<'b>() -> impl Strategy<Value = Frame<'b>> {
 fn beside(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     prop_oneof![
         any::<u64>().prop_map(|began_ms| Frame::Calendar { began_ms }),
-        wish(bytes).prop_map(Frame::Wish),
+        value_frame(bytes).prop_map(Frame::Value),
         any::<(u32, u64, u32, [u8; 3])>().prop_map(move |(stream, sequence, length, context)| {
             let (context, stream) = (ContextId(context), StreamId(stream));
             Frame::CodedSnapshot { context, stream, sequence, length, bytes }
@@ -152,7 +152,7 @@ fn beside(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     ]
 }
 
-fn wish(bytes: &[u8]) -> impl Strategy<Value = WishFrame<'_>> {
+fn value_frame(bytes: &[u8]) -> impl Strategy<Value = ValueFrame<'_>> {
     let length = u32::try_from(bytes.len()).expect("few");
     let (stream, id) = (any::<u32>().prop_map(StreamId), any::<[u8; 16]>().prop_map(ValueId));
     let value = (stream.clone(), any::<u64>(), id.clone())
@@ -160,18 +160,18 @@ fn wish(bytes: &[u8]) -> impl Strategy<Value = WishFrame<'_>> {
     let why = prop::sample::select(vec![NoValue::Gone, NoValue::OverBudget]);
     prop_oneof![
         (id.clone(), 0..u64::MAX / 2).prop_map(move |(id, offset)| {
-            WishFrame::ValuePart(ValuePart { id, offset, bytes })
+            ValueFrame::ValuePart(ValuePart { id, offset, bytes })
         }),
-        (id, why).prop_map(|(id, why)| WishFrame::NoValue(id, why)),
+        (id, why).prop_map(|(id, why)| ValueFrame::NoValue(id, why)),
         (stream.clone(), any::<u64>()).prop_map(move |(stream, number)| {
-            WishFrame::Watched(Watched { stream, number, values: bytes })
+            ValueFrame::Watched(Watched { stream, number, values: bytes })
         }),
         (value, any::<u64>(), ranges(40)).prop_map(|(value, budget, here)| {
-            WishFrame::Fetch(Fetch { value, budget, here: newest(&here) })
+            ValueFrame::Fetch(Fetch { value, budget, here: newest(&here) })
         }),
         (stream, any::<u64>(), 0..1_000_u32).prop_map(move |(stream, number, offset)| {
             let length = offset + length;
-            WishFrame::Watch(WatchPart { stream, number, length, offset, bytes })
+            ValueFrame::Watch(WatchPart { stream, number, length, offset, bytes })
         }),
     ]
 }

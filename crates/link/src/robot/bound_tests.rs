@@ -1,15 +1,15 @@
 //! A robot's session at each of its bounds, and after it.
 
-use super::later::{LATER_MAX, TOO_MANY};
 use super::outgoing::next_part;
+use super::scheduled_commands::{SCHEDULED_MAX, TOO_MANY};
 use super::tail::Tail;
-use super::{COMMANDS_MAX, EventBuffer, RobotSession, RunSource, URGENT_MAX, WISHES_MAX};
+use super::{COMMANDS_MAX, EventBuffer, RobotSession, RunSource, SUBSCRIPTIONS_MAX, URGENT_MAX};
 use crate::bytes::write_number;
 use crate::coding::ContextId;
 use crate::endpoint::Identity;
 use crate::frame::{
-    CommandId, CommandState, Events, Frame, Packing, StreamId, Terms, ValueId, ValuePart,
-    WatchPart, WishFrame,
+    CommandId, CommandState, Events, Frame, Packing, StreamId, Terms, ValueFrame, ValueId,
+    ValuePart, WatchPart,
 };
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, OVERHEAD, PairingKey, SenderStart};
@@ -49,11 +49,11 @@ fn state(robot: &RobotSession, number: u64) -> Option<(CommandState, &str)> {
 #[test]
 fn commands_for_later_are_kept_up_to_the_bound_and_again_once_a_time_has_come() {
     let mut robot = session();
-    let most = LATER_MAX as u64;
+    let most = SCHEDULED_MAX as u64;
     for number in 0..=most {
         assert!(!takes(&mut robot, number, 10 + number));
     }
-    assert!(TOO_MANY.contains(&LATER_MAX.to_string()));
+    assert!(TOO_MANY.contains(&SCHEDULED_MAX.to_string()));
     assert_eq!(state(&robot, most - 1), Some((CommandState::Received, "")));
     assert_eq!(state(&robot, most), Some((CommandState::Refused, TOO_MANY)));
     let mut due = Vec::new();
@@ -99,22 +99,22 @@ fn a_long_reason_of_a_refusal_is_cut_between_characters() {
 #[test]
 fn wishes_beyond_the_bound_do_not_count_and_come_again() {
     let mut robot = session();
-    let most = u32::try_from(WISHES_MAX).unwrap();
-    let wish = |robot: &mut RobotSession, run: u32| {
+    let most = u32::try_from(SUBSCRIPTIONS_MAX).unwrap();
+    let watch = |robot: &mut RobotSession, run: u32| {
         robot.begin(StreamId(run), 0);
         let (number, length, offset) = (1, 0, 0);
         let part = WatchPart { stream: StreamId(run), number, length, offset, bytes: &[] };
-        robot.take(WishFrame::Watch(part), &mut Vec::new());
+        robot.take(ValueFrame::Watch(part), &mut Vec::new());
     };
     for run in 0..=most {
-        wish(&mut robot, run);
+        watch(&mut robot, run);
     }
     let take = |robot: &mut RobotSession| {
-        std::iter::from_fn(|| robot.take_wish()).map(|wish| wish.stream.0).collect::<Vec<_>>()
+        std::iter::from_fn(|| robot.take_subscription()).map(|it| it.stream.0).collect::<Vec<_>>()
     };
     assert_eq!(take(&mut robot), (0..most).collect::<Vec<_>>());
     for run in 0..=most {
-        wish(&mut robot, run);
+        watch(&mut robot, run);
     }
     assert_eq!(take(&mut robot), [most]);
 }
@@ -209,7 +209,7 @@ fn parts_fill_a_datagram_and_never_more() {
         let mut written = Vec::new();
         // More than a year.
         write_number((1 << 35) - 1, &mut written);
-        Frame::Wish(WishFrame::ValuePart(ValuePart { id, offset, bytes: &bytes[..count] }))
+        Frame::Value(ValueFrame::ValuePart(ValuePart { id, offset, bytes: &bytes[..count] }))
             .write(&mut written);
         let room = profile.down_bytes_max - OVERHEAD;
         assert!((room - 3..=room).contains(&written.len()), "{} of {room}", written.len());

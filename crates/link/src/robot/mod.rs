@@ -7,9 +7,9 @@
 mod bulk;
 mod coded;
 mod large;
-mod later;
 mod outgoing;
 mod parts;
+mod scheduled_commands;
 mod snapshots;
 mod source;
 mod tail;
@@ -17,16 +17,16 @@ mod values;
 mod watched;
 
 pub use bulk::Rank;
-pub(crate) use later::LATER_MAX;
+pub(crate) use scheduled_commands::SCHEDULED_MAX;
 pub use source::{EventBuffer, RunSource};
-pub(crate) use watched::WISH_BYTES_MAX;
-pub use watched::{NewestValue, VALUE_BYTES_MAX, Wish};
+pub(crate) use watched::WATCH_BYTES_MAX;
+pub use watched::{NewestValue, VALUE_BYTES_MAX, WatchSubscription};
 
 use crate::bytes::write_number;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
     self, Body, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, Terms,
-    WishFrame,
+    ValueFrame,
 };
 use crate::path_size::LENGTH_MIN;
 use crate::profile::{CARRIER_OVERHEAD, Profile};
@@ -34,16 +34,16 @@ use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingK
 use crate::send_rate::{Arrivals, SendRate};
 use crate::traffic::Traffic;
 use bulk::Bulk;
-use later::Later;
 use outgoing::{Outgoing, TransmitContext};
 use parts::IncompleteCommands;
+use scheduled_commands::ScheduledCommands;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 use values::Values;
 use watched::{Behind, WatchedValues};
 
 /// Capacity of the list queue.
-const WISHES_MAX: usize = 64;
+const SUBSCRIPTIONS_MAX: usize = 64;
 /// Number of times that a fate is sent, unless the command is repeated.
 const STATE_SENDS: u8 = 3;
 /// Limit of other bytes in a datagram with urgent events.
@@ -88,12 +88,12 @@ pub struct RobotSession {
     /// Next key of the station, with the time of the next offer.
     offered: Option<(KeyId, PairingKey, Duration)>,
     /// Commands whose time has not come.
-    later: Later,
+    scheduled: ScheduledCommands,
     incomplete: IncompleteCommands,
     /// The ids in `states`, oldest first.
     ids: VecDeque<CommandId>,
     watched: WatchedValues,
-    wishes: VecDeque<Wish>,
+    subscriptions: VecDeque<WatchSubscription>,
     values: Values,
 }
 
@@ -118,11 +118,11 @@ impl RobotSession {
             calendar_ms: None,
             states: BTreeMap::new(),
             offered: None,
-            later: Later::default(),
+            scheduled: ScheduledCommands::default(),
             incomplete: IncompleteCommands::default(),
             ids: VecDeque::new(),
             watched: WatchedValues::new(&profile),
-            wishes: VecDeque::new(),
+            subscriptions: VecDeque::new(),
             values: Values::default(),
             profile,
         }
@@ -226,7 +226,7 @@ impl RobotSession {
             while self.ids.len() > COMMANDS_MAX
                 && let Some(oldest) = self.ids.pop_front()
             {
-                if self.later.has(oldest) {
+                if self.scheduled.has(oldest) {
                     self.ids.push_back(oldest);
                 } else {
                     self.states.remove(&oldest);
@@ -260,12 +260,12 @@ impl RobotSession {
     }
 
     /// Returns the next complete list of watched values.
-    pub fn take_wish(&mut self) -> Option<Wish> {
-        self.wishes.pop_front()
+    pub fn take_subscription(&mut self) -> Option<WatchSubscription> {
+        self.subscriptions.pop_front()
     }
 
     /// Confirms the list in force, so that its values can be set.
-    pub fn set_wish(&mut self, stream: StreamId, number: u64) {
+    pub fn set_subscription(&mut self, stream: StreamId, number: u64) {
         if self.streams.contains_key(&stream) {
             self.watched.count(stream, number);
         }
@@ -342,7 +342,7 @@ impl RobotSession {
                 }
                 Frame::Arrived { bytes, longest } => arrived = Some((bytes, longest)),
                 Frame::Received(received) => reports.push(received),
-                Frame::Wish(wish) => self.take(wish, &mut fetches),
+                Frame::Value(frame) => self.take(frame, &mut fetches),
                 Frame::Command(frame::Command { id, terms, body }) => {
                     if let Some(state) = self.states.get_mut(&id) {
                         (state.sends, state.due) = (0, now);
@@ -397,10 +397,10 @@ impl RobotSession {
             (CommandState::Expired, "", Some(new))
         } else if now_ms(now) >= not_before_ms {
             (CommandState::Received, "", Some(new))
-        } else if self.later.add(new) {
+        } else if self.scheduled.add(new) {
             (CommandState::Received, "", None)
         } else {
-            (CommandState::Refused, later::TOO_MANY, None)
+            (CommandState::Refused, scheduled_commands::TOO_MANY, None)
         };
         self.set_command_state(now, id, state, why);
         passed
@@ -408,7 +408,7 @@ impl RobotSession {
 
     /// Passes on each command whose time has come, once.
     pub fn take_due(&mut self, now: Duration, mut carry_out: impl FnMut(ReceivedCommand)) {
-        while let Some(command) = self.later.take(now_ms(now)) {
+        while let Some(command) = self.scheduled.take(now_ms(now)) {
             if now_ms(now) > command.not_after_ms {
                 self.set_command_state(now, command.id, CommandState::Expired, "");
             } else {
@@ -417,14 +417,15 @@ impl RobotSession {
         }
     }
 
-    fn take(&mut self, wish: WishFrame<'_>, fetches: &mut Vec<Fetch>) {
-        match wish {
-            WishFrame::Fetch(fetch) => fetches.push(fetch),
+    fn take(&mut self, frame: ValueFrame<'_>, fetches: &mut Vec<Fetch>) {
+        match frame {
+            ValueFrame::Fetch(fetch) => fetches.push(fetch),
             // One that has no room does not count, so the station repeats it.
-            WishFrame::Watch(part)
-                if self.wishes.len() < WISHES_MAX && self.streams.contains_key(&part.stream) =>
+            ValueFrame::Watch(part)
+                if self.subscriptions.len() < SUBSCRIPTIONS_MAX
+                    && self.streams.contains_key(&part.stream) =>
             {
-                self.wishes.extend(self.watched.wished(&part));
+                self.subscriptions.extend(self.watched.add_part(&part));
             }
             _ => {}
         }
@@ -526,7 +527,7 @@ impl RobotSession {
         let watched = self.watched.due_at(|stream| self.behind(stream, is_heard));
         let values = if is_heard { self.values.due_at() } else { Duration::MAX };
         let bulk = bulk.min().unwrap_or(Duration::MAX).min(watched).min(values);
-        bulk.max(free_at).min(urgent).min(self.later.due_at()).max(now)
+        bulk.max(free_at).min(urgent).min(self.scheduled.due_at()).max(now)
     }
 
     /// Time of the next keep-alive, from which a restarted station learns the robot's address.

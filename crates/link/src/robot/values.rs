@@ -4,7 +4,7 @@
 use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::assembly::PART_MIN;
-use crate::frame::{Fetch, Frame, NoValue, ValueName, ValuePart, WishFrame};
+use crate::frame::{Fetch, Frame, NoValue, ValueFrame, ValueName, ValuePart};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::seal::OVERHEAD;
@@ -153,7 +153,7 @@ impl Sending {
         let id = self.value.id;
         let mut refuse = |why, payload: &mut Vec<u8>| {
             self.refusal = Some(why);
-            Frame::Wish(WishFrame::NoValue(id, why)).write(payload);
+            Frame::Value(ValueFrame::NoValue(id, why)).write(payload);
         };
         let Some(length) = self.length.or_else(|| source.value_length(&self.value)) else {
             return refuse(NoValue::Gone, payload);
@@ -171,7 +171,7 @@ impl Sending {
             return refuse(NoValue::Gone, payload);
         };
         let range = *gap.start()..=offset + bytes.len() as u64;
-        Frame::Wish(WishFrame::ValuePart(ValuePart { id, offset, bytes: &bytes })).write(payload);
+        Frame::Value(ValueFrame::ValuePart(ValuePart { id, offset, bytes: &bytes })).write(payload);
         self.sent_set.insert(range.clone());
         self.sent.push_back((now, range));
     }

@@ -4,14 +4,14 @@
 use super::outgoing::TransmitContext;
 use crate::assembly::Assembly;
 use crate::bytes::{number_length, write_bytes};
-use crate::frame::{Frame, StreamId, WatchPart, Watched, WishFrame};
+use crate::frame::{Frame, StreamId, ValueFrame, WatchPart, Watched};
 use crate::profile::Pacer;
 use crate::profile::Profile;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Longest list of watched values, in bytes.
-pub(crate) const WISH_BYTES_MAX: u32 = 16 << 10;
+pub(crate) const WATCH_BYTES_MAX: u32 = 16 << 10;
 /// Capacity of a run, in values.
 const VALUES_MAX: usize = 1_024;
 /// Values take at most this part of the rate.
@@ -38,7 +38,7 @@ pub struct NewestValue {
 
 /// A complete list of watched values from a station.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Wish {
+pub struct WatchSubscription {
     /// The run.
     pub stream: StreamId,
     /// Number of the list. It grows with each list.
@@ -92,9 +92,9 @@ impl WatchedValues {
     }
 
     /// Adds a part of a list. Returns the list once it is complete and new.
-    pub(super) fn wished(&mut self, part: &WatchPart<'_>) -> Option<Wish> {
+    pub(super) fn add_part(&mut self, part: &WatchPart<'_>) -> Option<WatchSubscription> {
         let WatchPart { stream, number, length, offset, bytes } = *part;
-        if length > WISH_BYTES_MAX {
+        if length > WATCH_BYTES_MAX {
             return None;
         }
         let run = self.runs.entry(stream).or_default();
@@ -108,7 +108,7 @@ impl WatchedValues {
         };
         let body = whole?;
         self.count(stream, number);
-        Some(Wish { stream, number, body })
+        Some(WatchSubscription { stream, number, body })
     }
 
     /// Drops the watch of a run.
@@ -159,7 +159,8 @@ impl WatchedValues {
         run.is_told_due = false;
         let before = payload.len();
         let number = run.number;
-        Frame::Wish(WishFrame::Watched(Watched { stream, number, values: &values })).write(payload);
+        Frame::Value(ValueFrame::Watched(Watched { stream, number, values: &values }))
+            .write(payload);
         self.pacer.spend(turn.now, payload.len() - before);
     }
 }
@@ -243,14 +244,14 @@ mod tests {
     #[test]
     fn a_wish_that_is_too_long_is_ignored_and_the_next_one_counts() {
         let mut watched = WatchedValues::new(&Profile::LAN);
-        let bytes = vec![7; WISH_BYTES_MAX as usize + 1];
-        let mut wish = |number, length: u32| {
+        let bytes = vec![7; WATCH_BYTES_MAX as usize + 1];
+        let mut add = |number, length: u32| {
             let bytes = &bytes[..length as usize];
             let part = WatchPart { stream: RUN, number, length, offset: 0, bytes };
-            watched.wished(&part).map(|wish| wish.body.len())
+            watched.add_part(&part).map(|subscription| subscription.body.len())
         };
-        assert_eq!(wish(1, WISH_BYTES_MAX + 1), None);
-        assert_eq!(wish(1, WISH_BYTES_MAX), Some(16_384));
-        assert_eq!(wish(2, 3), Some(3));
+        assert_eq!(add(1, WATCH_BYTES_MAX + 1), None);
+        assert_eq!(add(1, WATCH_BYTES_MAX), Some(16_384));
+        assert_eq!(add(2, 3), Some(3));
     }
 }

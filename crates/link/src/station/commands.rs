@@ -5,7 +5,7 @@ use crate::frame::{
     Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandState, Frame, PartsHere, Terms,
 };
 use crate::heard::{ClockBounds, drift};
-use crate::robot::{LATER_MAX, now_ms};
+use crate::robot::{SCHEDULED_MAX, now_ms};
 use crate::seal::Generation;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -72,9 +72,9 @@ pub enum NotSent {
     TooMany,
     /// Too many commands of a list are for later.
     #[error(
-        "the robot keeps {LATER_MAX} commands for later at a time: give some without a time, or in another list after their time has come"
+        "the robot keeps {SCHEDULED_MAX} commands for later at a time: give some without a time, or in another list after their time has come"
     )]
-    TooManyLater,
+    TooManyScheduled,
     /// It is empty or longer than the link carries.
     #[error("the command has {0} bytes, and the link carries 1 to {COMMAND_LENGTH_MAX}")]
     TooLong(usize),

@@ -6,14 +6,14 @@ mod command_parts;
 mod commands;
 mod large;
 mod streams;
-mod wishes;
+mod value_requests;
 
 pub use commands::{CommandProgress, NewCommand, NotSent};
 pub(crate) use large::LARGE_MAX;
 #[cfg(test)]
 pub(crate) use streams::OPEN_MAX;
 pub use streams::StreamProgress;
-pub use wishes::{FetchProgress, NotWatched};
+pub use value_requests::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
@@ -22,12 +22,12 @@ use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
     COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, Frame, NoValue, Packing,
-    Received, StreamId, ValueId, WishFrame,
+    Received, StreamId, ValueFrame, ValueId,
 };
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::{CARRIER_OVERHEAD, Profile};
 use crate::range_set::RangeSet;
-use crate::robot::{LATER_MAX, now_ms};
+use crate::robot::{SCHEDULED_MAX, now_ms};
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
 use commands::{Commands, RobotTimes};
@@ -36,7 +36,7 @@ use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use streams::{Settled, Streams};
-use wishes::Wishes;
+use value_requests::ValueRequests;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 const LAST_REPORTS: u8 = 8;
@@ -146,7 +146,7 @@ pub struct StationSession {
     reported_at: Option<Duration>,
     has_news: bool,
     commands: Commands,
-    wishes: Wishes,
+    value_requests: ValueRequests,
 }
 
 #[derive(Debug, Default)]
@@ -208,7 +208,7 @@ impl StationSession {
             reported_at: None,
             has_news: false,
             commands: Commands::default(),
-            wishes: Wishes::default(),
+            value_requests: ValueRequests::default(),
             profile,
         }
     }
@@ -240,7 +240,7 @@ impl StationSession {
     /// Nothing of a stream is here any more: if the robot still has it, it comes again.
     pub fn forget(&mut self, stream: StreamId) {
         self.streams.forget(stream);
-        self.wishes.forget(stream);
+        self.value_requests.forget(stream);
     }
 
     /// The events of a run up to this one are on the disk.
@@ -392,7 +392,7 @@ impl StationSession {
         self.now = now;
         if is_new_start {
             (self.round_trip, self.reached_ms, self.calendar_ms) = (None, None, None);
-            self.wishes.repeat();
+            self.value_requests.repeat();
             self.commands.robot_started();
             // The robot does not have what it sent before.
             let streams = self.streams.open.values_mut();
@@ -465,9 +465,9 @@ impl StationSession {
                 show(FromRobot::NewKey { id, key: key.clone() });
             }
             Frame::Calendar { began_ms } => self.calendar_ms = Some(began_ms),
-            Frame::Wish(ref wish) => {
-                self.has_news |= matches!(wish, WishFrame::ValuePart(_));
-                self.wishes.answered(wish, show);
+            Frame::Value(ref frame) => {
+                self.has_news |= matches!(frame, ValueFrame::ValuePart(_));
+                self.value_requests.answered(frame, show);
             }
             _ => {}
         }
@@ -693,7 +693,9 @@ impl StationSession {
             later += usize::from(times.as_ref().is_ok_and(is_later));
             all.push(match times {
                 Ok(_) if room == 0 => Err(NotSent::TooMany),
-                Ok(times) if is_later(&times) && later > LATER_MAX => Err(NotSent::TooManyLater),
+                Ok(times) if is_later(&times) && later > SCHEDULED_MAX => {
+                    Err(NotSent::TooManyScheduled)
+                }
                 times => times,
             });
             room = room.saturating_sub(1);
@@ -769,10 +771,10 @@ impl StationSession {
         self.commands.write(now, is_free, self.answer_time(), (room, &mut payload));
         if is_free && self.report_at() <= now {
             self.write_report(now, room, &mut payload);
-            self.wishes.write_fetches(room, &mut payload);
+            self.value_requests.write_fetches(room, &mut payload);
         }
         if is_free {
-            self.wishes.write_watches(now, self.answer_time(), (room, &mut payload));
+            self.value_requests.write_watches(now, self.answer_time(), (room, &mut payload));
             // Nothing else waits for the parts of a long command.
             self.commands.write_parts(now, self.answer_time(), room, &mut payload);
         }
@@ -785,7 +787,7 @@ impl StationSession {
 
     /// When something may be due next; earlier if anything is received.
     pub fn next_transmit(&self, now: Duration) -> Duration {
-        let report = self.report_at().min(self.wishes.due_at());
+        let report = self.report_at().min(self.value_requests.due_at());
         let free_at = self.end.pacer.free_at();
         report.max(free_at).min(self.commands.due_at(free_at)).max(now)
     }

@@ -6,7 +6,7 @@ use crate::endpoint::Identity;
 use crate::frame::{COMMAND_LENGTH_MAX, CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, LATER_MAX, RobotSession, RunSource};
+use crate::robot::{EventBuffer, RobotSession, RunSource, SCHEDULED_MAX};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use std::time::Duration;
 
@@ -225,8 +225,8 @@ fn of_many_commands_all_are_sent_or_none() {
     // The robot keeps a limited number for later.
     let many: Vec<_> = (10..75).map(|nth| command(nth, 9, 9_000)).collect();
     let refused = pair.station.command_all(pair.now, many.clone()).expect_err("too many for later");
-    assert_eq!(refused.iter().filter(|it| it.is_err()).count(), many.len() - LATER_MAX);
-    assert_eq!(refused.last(), Some(&Err(NotSent::TooManyLater)));
+    assert_eq!(refused.iter().filter(|it| it.is_err()).count(), many.len() - SCHEDULED_MAX);
+    assert_eq!(refused.last(), Some(&Err(NotSent::TooManyScheduled)));
     // Without room for all, none is sent.
     let most = u16::try_from(COMMANDS_MAX).expect("a small number");
     let many: Vec<_> = (10..most + 11).map(|nth| command(nth, 9, 0)).collect();

@@ -310,12 +310,12 @@ impl RobotRelay<'_> {
         for command in commands {
             self.command(now, command);
         }
-        let mut has_wish = false;
-        while let Some(wish) = self.session.take_wish() {
-            self.watches.take(wish);
-            has_wish = true;
+        let mut has_subscription = false;
+        while let Some(subscription) = self.session.take_subscription() {
+            self.watches.take(subscription);
+            has_subscription = true;
         }
-        if has_wish {
+        if has_subscription {
             self.keep_watches(now);
         }
     }

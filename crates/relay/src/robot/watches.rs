@@ -1,7 +1,7 @@
 //! What stations watch of the runs of a robot, and the newest values of that, read from the journals: the runs do not know of it.
 
 use crate::watch_words::{self, RUNS_MAX};
-use rafcon_link::{NewestValue, RobotSession, StreamId, Wish};
+use rafcon_link::{NewestValue, RobotSession, StreamId, WatchSubscription};
 use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{JournalError, Kept, Moment, Reader, Stored};
@@ -50,7 +50,7 @@ struct Found {
 
 /// Stored list of a run.
 #[derive(Debug, Serialize, Deserialize)]
-struct KeptWish {
+struct KeptSubscription {
     stream: u32,
     number: u64,
     /// Time of the last contact: ms since 1970, UTC.
@@ -67,21 +67,23 @@ impl RobotWatches {
         session: &mut RobotSession,
     ) -> Self {
         let written = fs::read(&file).unwrap_or_default();
-        let kept: Vec<KeptWish> = serde_json::from_slice(&written).unwrap_or_default();
+        let kept: Vec<KeptSubscription> = serde_json::from_slice(&written).unwrap_or_default();
         let mut watches = Self { file, written, age_max, runs: BTreeMap::new() };
-        for KeptWish { stream, number, heard_ms, targets } in kept.into_iter().take(RUNS_MAX) {
+        for KeptSubscription { stream, number, heard_ms, targets } in
+            kept.into_iter().take(RUNS_MAX)
+        {
             if Duration::from_millis(now_ms.saturating_sub(heard_ms)) <= watches.age_max {
                 let run = WatchedRun { number, targets, ..WatchedRun::default() };
                 watches.runs.insert(StreamId(stream), run);
-                session.set_wish(StreamId(stream), number);
+                session.set_subscription(StreamId(stream), number);
             }
         }
         watches
     }
 
     /// A station watches this from now on.
-    pub(super) fn take(&mut self, Wish { stream, number, body }: Wish) {
-        let targets = watch_words::read_wish(&body).unwrap_or_default();
+    pub(super) fn take(&mut self, WatchSubscription { stream, number, body }: WatchSubscription) {
+        let targets = watch_words::read_targets(&body).unwrap_or_default();
         self.runs.remove(&stream);
         if targets.is_empty() {
             return;
@@ -114,7 +116,7 @@ impl RobotWatches {
         if heard_before.is_some_and(|before| before > self.age_max) {
             for (stream, run) in std::mem::take(&mut self.runs) {
                 // The number remains, because the station is informed of the last list received.
-                session.set_wish(stream, run.number);
+                session.set_subscription(stream, run.number);
             }
         }
         // Without a word since the start, what is on the disk is as old as it was.
@@ -123,7 +125,7 @@ impl RobotWatches {
         let kept: Vec<_> = self
             .runs
             .iter()
-            .map(|(stream, run)| KeptWish {
+            .map(|(stream, run)| KeptSubscription {
                 stream: stream.0,
                 number: run.number,
                 heard_ms,
@@ -290,8 +292,8 @@ mod tests {
     }
 
     fn watch(watches: &mut RobotWatches, stream: u32, number: u64, target: &WatchTarget) {
-        let body = watch_words::wish(std::slice::from_ref(target));
-        watches.take(Wish { stream: StreamId(stream), number, body });
+        let body = watch_words::write_targets(std::slice::from_ref(target));
+        watches.take(WatchSubscription { stream: StreamId(stream), number, body });
     }
 
     #[test]

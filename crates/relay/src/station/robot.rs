@@ -95,7 +95,7 @@ pub(super) struct StationRobot {
     /// Lists of watched values at the robot.
     watching: BTreeMap<StreamId, Asked>,
     /// Number of the last list.
-    wishes: u64,
+    list_number: u64,
     profile: Profile,
 }
 
@@ -141,7 +141,7 @@ impl StationRobot {
             contacts: settings.contacts.clone(),
             lists: settings.lists.clone(),
             watching: BTreeMap::new(),
-            wishes: clock::since_1970_ms(),
+            list_number: clock::since_1970_ms(),
             profile: settings.profile.clone(),
             name: pairing.robot.clone(),
             station: pairing.station_name().to_owned(),
@@ -405,7 +405,7 @@ impl StationRobot {
         for stream in self.in_order.waiting() {
             self.pass(stream);
         }
-        self.sync_wishes();
+        self.sync_subscriptions();
         self.send_server_requests();
         self.answer_list_questions();
         if let Some(round_trip) = self.session.round_trip() {
@@ -529,9 +529,13 @@ impl StationRobot {
 
     /// Asks the robot for what is watched of a run, as far as it fits.
     fn watch(&mut self, stream: StreamId, mut targets: Vec<WatchTarget>) {
-        self.wishes = clock::since_1970_ms().max(self.wishes + 1);
+        self.list_number = clock::since_1970_ms().max(self.list_number + 1);
         let wanted = targets.len();
-        while self.session.watch(stream, self.wishes, watch_words::wish(&targets)).is_err() {
+        while self
+            .session
+            .watch(stream, self.list_number, watch_words::write_targets(&targets))
+            .is_err()
+        {
             targets.truncate(targets.len() / 2);
         }
         let left_out = u32::try_from(wanted - targets.len()).unwrap_or(u32::MAX);
@@ -558,14 +562,14 @@ impl StationRobot {
         for (stream, shared) in open {
             if !is_room(&self.watching, stream) {
                 shared.leave_out();
-            } else if let Some(targets) = shared.take_wish() {
+            } else if let Some(targets) = shared.take_subscription() {
                 self.watch(stream, targets);
             }
         }
     }
 
     /// Says whether the robot knows what is watched, and how far large values are.
-    fn sync_wishes(&mut self) {
+    fn sync_subscriptions(&mut self) {
         self.ask();
         for (stream, Asked { watching, .. }) in &mut self.watching {
             watching.is_confirmed = self.session.is_watch_confirmed(*stream).unwrap_or(false);

@@ -174,8 +174,8 @@ impl Shared {
     }
 
     /// List of watched values for the robot, if it has changed.
-    pub(super) fn take_wish(&self) -> Option<Vec<WatchTarget>> {
-        self.shown.lock().watched.take_wish()
+    pub(super) fn take_subscription(&self) -> Option<Vec<WatchTarget>> {
+        self.shown.lock().watched.take_subscription()
     }
 
     /// The robot is asked for nothing of the run for now: it watches as many runs as it can.

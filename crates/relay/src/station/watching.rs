@@ -14,11 +14,11 @@ const TARGETS_MAX: usize = 1_024;
 #[derive(Debug, Default)]
 pub(super) struct ReplicaWatch {
     viewers: BTreeMap<u64, Vec<WatchTarget>>,
-    wish: Vec<WatchTarget>,
+    targets: Vec<WatchTarget>,
     /// Number of the targets of viewers that the robot is not asked for.
     left_out: usize,
     /// The robot is to be asked for something else than before.
-    is_wish_new: bool,
+    is_list_new: bool,
     /// The robot cannot be asked for now.
     is_left_out: bool,
     watching: Watching,
@@ -39,28 +39,28 @@ impl ReplicaWatch {
         } else {
             self.viewers.insert(viewer, targets);
         }
-        let (wish, left_out) = WatchTarget::union(self.viewers.values().flatten());
+        let (targets, left_out) = WatchTarget::union(self.viewers.values().flatten());
         self.left_out = left_out + too_many;
-        if wish != self.wish {
-            self.values.retain(|_, value| is_watched(&wish, value));
-            (self.wish, self.is_wish_new) = (wish, true);
+        if targets != self.targets {
+            self.values.retain(|_, value| is_watched(&targets, value));
+            (self.targets, self.is_list_new) = (targets, true);
         }
         let known: Vec<_> = self.values.values().collect();
         self.messages(viewer, &known)
     }
 
     /// List for the robot, if it has changed.
-    pub(super) fn take_wish(&mut self) -> Option<Vec<WatchTarget>> {
+    pub(super) fn take_subscription(&mut self) -> Option<Vec<WatchTarget>> {
         self.is_left_out = false;
-        std::mem::take(&mut self.is_wish_new).then(|| self.wish.clone())
+        std::mem::take(&mut self.is_list_new).then(|| self.targets.clone())
     }
 
     /// The robot cannot be asked for now: nothing of what is watched is sent ahead, and what is to be asked for waits.
     pub(super) fn leave_out(&mut self) -> Vec<(u64, ToViewer)> {
-        if !self.is_wish_new {
+        if !self.is_list_new {
             return Vec::new();
         }
-        let left_out = u32::try_from(self.wish.len()).unwrap_or(u32::MAX);
+        let left_out = u32::try_from(self.targets.len()).unwrap_or(u32::MAX);
         self.is_left_out = false;
         let messages = self.set_watching(&Watching { is_confirmed: true, asked_ms: 0, left_out });
         self.is_left_out = true;
@@ -75,7 +75,7 @@ impl ReplicaWatch {
             let known = self.values.get(&place).map(|known| known.sequence);
             let is_room = known.is_some() || self.values.len() < VALUES_MAX;
             let is_newer = known.is_none_or(|known| known < value.sequence);
-            if is_room && is_newer && is_watched(&self.wish, &value) {
+            if is_room && is_newer && is_watched(&self.targets, &value) {
                 self.values.insert(place, value.clone());
                 new.push(value);
             }
@@ -171,9 +171,10 @@ mod tests {
         let mut said = String::new();
         let mut watch = |run: &mut ReplicaWatch, viewer, paths: &[&str]| {
             let message = run.watch(viewer, targets(paths));
-            let wish = run.take_wish();
-            let wish = wish.map(|wish| wish.iter().map(|it| it.path.clone()).collect::<Vec<_>>());
-            said.extend([format!("asks {wish:?}\n"), told(&message)]);
+            let targets = run.take_subscription();
+            let targets =
+                targets.map(|targets| targets.iter().map(|it| it.path.clone()).collect::<Vec<_>>());
+            said.extend([format!("asks {targets:?}\n"), told(&message)]);
         };
         watch(&mut run, 1, &["R/ARM"]);
         watch(&mut run, 2, &["R/ARM", "R/EYE"]);
@@ -226,7 +227,7 @@ mod tests {
         said.extend(run.set_watching(&known));
         run.watch(1, targets(&["R/ARM"]));
         said.extend(run.leave_out());
-        assert_eq!(run.take_wish().expect("a wish").len(), 1);
+        assert_eq!(run.take_subscription().expect("a list").len(), 1);
         said.extend(run.set_watching(&known));
         said.extend(run.leave_out());
         assert_eq!(left_out(&said), [2, 1, 0]);
@@ -239,7 +240,7 @@ mod tests {
         let paths: Vec<_> = paths.iter().map(String::as_str).collect();
         let told = run.watch(1, targets(&paths));
         assert_eq!(run.viewers[&1].len(), TARGETS_MAX);
-        assert_eq!(run.take_wish().expect("a wish").len(), WATCHED_MAX);
+        assert_eq!(run.take_subscription().expect("a list").len(), WATCHED_MAX);
         assert_eq!(left_out(&told), [10_000 - WATCHED_MAX]);
         run.watch(1, targets(&["R"]));
         let told = run.take((0..10_000).map(|nth| value(&format!("R/{nth}"), 1)).collect());

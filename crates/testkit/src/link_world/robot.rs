@@ -126,7 +126,7 @@ impl Robot {
             let mut session = RobotSession::new(&identity, profile.clone());
             session.begin(STREAM, head);
             if self.disk.watched[station].number > 0 {
-                session.set_wish(STREAM, self.disk.watched[station].number);
+                session.set_subscription(STREAM, self.disk.watched[station].number);
             }
             session
         };

@@ -66,10 +66,10 @@ pub(super) struct Watched {
 impl Watched {
     /// Receives the requests of the station.
     pub(super) fn take(&mut self, session: &mut RobotSession) {
-        while let Some(wish) = session.take_wish() {
-            let text = String::from_utf8_lossy(&wish.body).into_owned();
+        while let Some(subscription) = session.take_subscription() {
+            let text = String::from_utf8_lossy(&subscription.body).into_owned();
             let states = text.lines().map(str::to_owned).collect();
-            *self = Self { number: wish.number, states, keys: BTreeMap::new() };
+            *self = Self { number: subscription.number, states, keys: BTreeMap::new() };
         }
     }
 

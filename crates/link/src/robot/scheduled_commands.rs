@@ -6,20 +6,20 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 /// Capacity in commands.
-pub(crate) const LATER_MAX: usize = 64;
+pub(crate) const SCHEDULED_MAX: usize = 64;
 pub(super) const TOO_MANY: &str =
     "the robot keeps 64 commands for later already: wait until their time has come";
 
 /// In the order of their times.
 #[derive(Debug, Default)]
-pub(super) struct Later {
+pub(super) struct ScheduledCommands {
     commands: BTreeMap<(u64, CommandId), ReceivedCommand>,
 }
 
-impl Later {
+impl ScheduledCommands {
     /// Adds a command; false if there are too many.
     pub(super) fn add(&mut self, command: ReceivedCommand) -> bool {
-        let has_room = self.commands.len() < LATER_MAX;
+        let has_room = self.commands.len() < SCHEDULED_MAX;
         if has_room {
             self.commands.insert((command.not_before_ms, command.id), command);
         }

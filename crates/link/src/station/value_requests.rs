@@ -3,9 +3,9 @@
 use super::{FromRobot, StationSession};
 use crate::assembly::PART_MIN;
 use crate::bytes::number_length;
-use crate::frame::{Fetch, Frame, StreamId, ValueId, ValueName, WatchPart, WishFrame};
+use crate::frame::{Fetch, Frame, StreamId, ValueFrame, ValueId, ValueName, WatchPart};
 use crate::range_set::RangeSet;
-use crate::robot::WISH_BYTES_MAX;
+use crate::robot::WATCH_BYTES_MAX;
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -36,7 +36,7 @@ pub struct FetchProgress<'s> {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct Wishes {
+pub(super) struct ValueRequests {
     watches: BTreeMap<StreamId, Watch>,
     fetches: BTreeMap<ValueId, Fetching>,
     /// Ended requests for large values, with the number of remaining announcements.
@@ -65,7 +65,7 @@ struct Fetching {
     budget: u64,
 }
 
-impl Wishes {
+impl ValueRequests {
     /// Drops the watch of a run.
     pub(super) fn forget(&mut self, stream: StreamId) {
         self.watches.remove(&stream);
@@ -80,9 +80,13 @@ impl Wishes {
     }
 
     /// Applies an answer of the robot.
-    pub(super) fn answered(&mut self, wish: &WishFrame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
-        match wish {
-            WishFrame::Watched(watched) => {
+    pub(super) fn answered(
+        &mut self,
+        frame: &ValueFrame<'_>,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
+        match frame {
+            ValueFrame::Watched(watched) => {
                 let Some(watch) = self.watches.get_mut(&watched.stream) else { return };
                 watch.is_confirmed |= watch.number == watched.number;
                 let (stream, number) = (watched.stream, watched.number);
@@ -90,7 +94,7 @@ impl Wishes {
                     show(FromRobot::Watched { stream, number, values });
                 }
             }
-            WishFrame::ValuePart(part) => {
+            ValueFrame::ValuePart(part) => {
                 let (id, offset, bytes) = (part.id, part.offset, part.bytes);
                 let Some(fetching) = self.fetches.get_mut(&id) else { return };
                 let (length, end) = (bytes.len() as u64, offset + bytes.len() as u64);
@@ -104,12 +108,12 @@ impl Wishes {
                 fetching.budget = fetching.budget.saturating_sub(length);
                 show(FromRobot::ValuePart { id, offset, bytes });
             }
-            WishFrame::NoValue(id, why) => {
+            ValueFrame::NoValue(id, why) => {
                 if self.fetches.contains_key(id) {
                     show(FromRobot::NoValue { id: *id, why: *why });
                 }
             }
-            WishFrame::Fetch(_) | WishFrame::Watch(_) => {}
+            ValueFrame::Fetch(_) | ValueFrame::Watch(_) => {}
         }
     }
 
@@ -124,7 +128,7 @@ impl Wishes {
         for _ in 0..self.ended.len() {
             let Some((value, sends)) = self.ended.pop_front() else { break };
             let (length, here) = (payload.len(), RangeSet::default());
-            Frame::Wish(WishFrame::Fetch(Fetch { value, budget: 0, here })).write(payload);
+            Frame::Value(ValueFrame::Fetch(Fetch { value, budget: 0, here })).write(payload);
             if payload.len() > room {
                 payload.truncate(length);
                 self.ended.push_front((value, sends));
@@ -139,7 +143,7 @@ impl Wishes {
         for Fetching { value, here, budget, .. } in fetches {
             let length = payload.len();
             let (value, budget, here) = (*value, *budget, here.clone());
-            Frame::Wish(WishFrame::Fetch(Fetch { value, budget, here })).write(payload);
+            Frame::Value(ValueFrame::Fetch(Fetch { value, budget, here })).write(payload);
             if payload.len() > room {
                 payload.truncate(length);
                 return;
@@ -170,7 +174,7 @@ impl Wishes {
             let (length, offset) = (small(watch.body.len()), small(watch.sent));
             let (stream, number) = (*stream, watch.number);
             let part = WatchPart { stream, number, length, offset, bytes };
-            Frame::Wish(WishFrame::Watch(part)).write(payload);
+            Frame::Value(ValueFrame::Watch(part)).write(payload);
             watch.sent += bytes.len();
             if watch.sent >= watch.body.len() {
                 let wait = answer * (2 << watch.rounds.saturating_sub(ROUNDS_SOON).min(2));
@@ -189,32 +193,32 @@ impl StationSession {
         number: u64,
         body: Vec<u8>,
     ) -> Result<(), NotWatched> {
-        if body.len() > WISH_BYTES_MAX as usize {
-            return Err(NotWatched(body.len(), WISH_BYTES_MAX));
+        if body.len() > WATCH_BYTES_MAX as usize {
+            return Err(NotWatched(body.len(), WATCH_BYTES_MAX));
         }
         let (sent, due, rounds, is_confirmed) = (0, Duration::ZERO, 0, false);
         let watch = Watch { number, body, sent, due, rounds, is_confirmed };
-        self.wishes.watches.insert(stream, watch);
+        self.value_requests.watches.insert(stream, watch);
         Ok(())
     }
 
     /// True if the robot has the list of a run. `None` if no list was sent.
     pub fn is_watch_confirmed(&self, stream: StreamId) -> Option<bool> {
-        self.wishes.watches.get(&stream).map(|watch| watch.is_confirmed)
+        self.value_requests.watches.get(&stream).map(|watch| watch.is_confirmed)
     }
 
     /// Drops the watch of a run without notice to the robot.
     pub fn end_watch(&mut self, stream: StreamId) {
-        self.wishes.forget(stream);
+        self.value_requests.forget(stream);
     }
 
     /// Requests a large value until it is complete or the request ends. `here` has the received bytes, and at most `budget`
     /// bytes are sent. Returns false if the table of requests is full.
     pub fn fetch(&mut self, value: ValueName, length: u64, here: RangeSet, budget: u64) -> bool {
-        let is_room = self.wishes.fetches.len() < FETCHES_MAX;
-        if is_room || self.wishes.fetches.contains_key(&value.id) {
-            self.wishes.ended.retain(|(ended, _)| *ended != value);
-            self.wishes.fetches.insert(value.id, Fetching { value, length, here, budget });
+        let is_room = self.value_requests.fetches.len() < FETCHES_MAX;
+        if is_room || self.value_requests.fetches.contains_key(&value.id) {
+            self.value_requests.ended.retain(|(ended, _)| *ended != value);
+            self.value_requests.fetches.insert(value.id, Fetching { value, length, here, budget });
             self.has_news = true;
         }
         is_room
@@ -222,24 +226,24 @@ impl StationSession {
 
     /// Ends the request for a large value.
     pub fn end_fetch(&mut self, id: ValueId) {
-        if let Some(Fetching { value, .. }) = self.wishes.fetches.remove(&id) {
-            self.wishes.ended.push_back((value, END_SENDS));
-            self.wishes.ended.truncate(FETCHES_MAX);
+        if let Some(Fetching { value, .. }) = self.value_requests.fetches.remove(&id) {
+            self.value_requests.ended.push_back((value, END_SENDS));
+            self.value_requests.ended.truncate(FETCHES_MAX);
             self.has_news = true;
         }
-        self.wishes.turn = 0;
+        self.value_requests.turn = 0;
     }
 
     /// These bytes of a large value could not be kept: they have to come again.
     pub fn lose_value(&mut self, id: ValueId, bytes: RangeInclusive<u64>) {
-        if let Some(fetching) = self.wishes.fetches.get_mut(&id) {
+        if let Some(fetching) = self.value_requests.fetches.get_mut(&id) {
             fetching.here.remove(bytes);
         }
     }
 
     /// Progress of a large value. `None` without a request.
     pub fn fetch_progress(&self, id: ValueId) -> Option<FetchProgress<'_>> {
-        let Fetching { here, budget, .. } = self.wishes.fetches.get(&id)?;
+        let Fetching { here, budget, .. } = self.value_requests.fetches.get(&id)?;
         Some(FetchProgress { here, budget: *budget })
     }
 }

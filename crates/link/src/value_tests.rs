@@ -1,9 +1,9 @@
-//! Wishes over a bad link in virtual time: large values and values that are watched, beside events that never wait for them.
+//! Requests for values over a bad link in virtual time: large values and values that are watched, beside events that never wait for them.
 
 use crate::frame::{Events, NoValue, StreamId, ValueId, ValueName};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource, Wish};
+use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource, WatchSubscription};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use crate::{Direction, Identity};
@@ -326,13 +326,13 @@ fn many_large_values_take_their_turns_and_have_a_bound() {
     assert_eq!(taken, 8);
 }
 
-/// What happens to a wish.
-fn wish(world: &mut World, number: u64, body: &str) -> Option<Wish> {
-    world.station.watch(STREAM, number, body.as_bytes().to_vec()).expect("a short wish");
+/// Watches values, and returns what arrives at the robot.
+fn watch(world: &mut World, number: u64, body: &str) -> Option<WatchSubscription> {
+    world.station.watch(STREAM, number, body.as_bytes().to_vec()).expect("a short list");
     for _ in 0..2_000 {
         world.step();
-        if let Some(wish) = world.robot.take_wish() {
-            return Some(wish);
+        if let Some(subscription) = world.robot.take_subscription() {
+            return Some(subscription);
         }
     }
     None
@@ -345,15 +345,15 @@ fn a_wish_arrives_once_although_its_parts_are_lost() {
     world.run(5, false);
     // Three datagrams.
     let body = "navigation ".repeat(60);
-    let arrived = wish(&mut world, 5, &body).expect("a wish");
+    let arrived = watch(&mut world, 5, &body).expect("a list");
     assert_eq!((arrived.number, arrived.body), (5, body.into_bytes()));
     world.run(20, false);
-    assert_eq!(world.robot.take_wish(), None);
+    assert_eq!(world.robot.take_subscription(), None);
     assert_eq!(world.station.is_watch_confirmed(STREAM), Some(true));
     let up = world.station.traffic().0.by_kind["wishes"];
     world.run(60, false);
     assert_eq!(world.station.traffic().0.by_kind["wishes"], up, "what is known is not repeated");
-    let later = wish(&mut world, 6, "vision").expect("a wish");
+    let later = watch(&mut world, 6, "vision").expect("a list");
     assert_eq!(later.number, 6);
     let endless = world.station.watch(STREAM, 7, vec![0; 20_000]).expect_err("too long");
     expect!["what is watched has 20000 bytes, and at most 16384 fit: watch less, or whole states instead of their values"]
@@ -364,13 +364,13 @@ fn a_wish_arrives_once_although_its_parts_are_lost() {
 fn a_robot_that_started_again_is_asked_again() {
     let mut world = World::new(1);
     world.run(5, false);
-    wish(&mut world, 5, "arm").expect("a wish");
+    watch(&mut world, 5, "arm").expect("a list");
     world.run(5, false);
     let key = PairingKey::from_bytes([7; 32]);
     world.robot = RobotSession::new(&identity(&key, 2), Profile::DELAY_2S);
     world.robot.begin(STREAM, 1);
     world.run(5, false);
-    assert_eq!(world.robot.take_wish().map(|wish| wish.number), Some(5));
+    assert_eq!(world.robot.take_subscription().map(|it| it.number), Some(5));
 }
 
 fn set(world: &mut World, key: u32, priority: u8, text: &str) {
@@ -382,7 +382,7 @@ fn set(world: &mut World, key: u32, priority: u8, text: &str) {
 fn watched_values_cost_nothing_while_their_events_come() {
     let mut world = World::new(0);
     world.run(5, true);
-    wish(&mut world, 1, "arm").expect("a wish");
+    watch(&mut world, 1, "arm").expect("a list");
     for round in 0..100 {
         world.happens();
         set(&mut world, 0, 0, &format!("pose {round}"));
@@ -390,7 +390,7 @@ fn watched_values_cost_nothing_while_their_events_come() {
     }
     assert_eq!(world.here.watched, []);
     let told = world.robot.traffic().0.by_kind["watched values"];
-    assert!(told < 20, "{told} bytes for the answer that the wish is known");
+    assert!(told < 20, "{told} bytes for the answer that the list is known");
 }
 
 #[test]
@@ -398,7 +398,7 @@ fn watched_values_go_ahead_of_a_long_history_the_first_ones_first_and_only_the_n
     // 800 KB of events: 25 s at this rate.
     let mut world = World::new(20_000);
     world.run(3, false);
-    wish(&mut world, 1, "arm").expect("a wish");
+    watch(&mut world, 1, "arm").expect("a list");
     for round in 0..50 {
         world.happens();
         set(&mut world, 0, 9, &format!("map {round}"));
@@ -417,7 +417,7 @@ fn watched_values_go_ahead_of_a_long_history_the_first_ones_first_and_only_the_n
 fn without_an_up_link_what_was_asked_for_last_goes_on_and_stays_in_its_budget() {
     let mut world = World::new(0);
     world.run(5, true);
-    wish(&mut world, 3, "arm").expect("a wish");
+    watch(&mut world, 3, "arm").expect("a list");
     world.loses_one_in = [u64::MAX, 1];
     world.run(10, false);
     let before = world.robot.traffic().0.by_kind["watched values"];
@@ -440,14 +440,14 @@ fn without_an_up_link_what_was_asked_for_last_goes_on_and_stays_in_its_budget() 
 fn whatever_a_station_wishes_memory_stays_bounded() {
     let mut world = World::new(1);
     world.run(5, false);
-    wish(&mut world, 1, "all").expect("a wish");
+    watch(&mut world, 1, "all").expect("a list");
     for key in 0..10_000 {
         set(&mut world, key, 0, "value");
     }
     set(&mut world, 0, 0, &"too long for a datagram ".repeat(100));
     // Of a run that the robot does not have.
-    world.station.watch(StreamId(99), 1, b"other".to_vec()).expect("a short wish");
+    world.station.watch(StreamId(99), 1, b"other".to_vec()).expect("a short list");
     world.run(5, false);
-    assert_eq!(world.robot.take_wish(), None);
+    assert_eq!(world.robot.take_subscription(), None);
     assert_eq!(world.station.is_watch_confirmed(StreamId(99)), Some(false));
 }

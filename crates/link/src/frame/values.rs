@@ -69,7 +69,7 @@ pub(crate) struct Watched<'b> {
 
 /// A request or its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) enum WishFrame<'b> {
+pub(crate) enum ValueFrame<'b> {
     ValuePart(ValuePart<'b>),
     /// A large value does not come.
     NoValue(ValueId, NoValue),
@@ -84,7 +84,7 @@ const WATCHED: u8 = 15;
 const FETCH: u8 = 19;
 const WATCH: u8 = 20;
 
-impl<'b> WishFrame<'b> {
+impl<'b> ValueFrame<'b> {
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         let mut head = |kind: u8, id: Option<ValueId>, numbers: &[u64]| {
             out.push(kind);
