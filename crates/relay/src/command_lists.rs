@@ -20,7 +20,7 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The command lists of all robots that a station receives.
 #[derive(Debug, Clone)]
-pub struct CommandListDesk {
+pub struct CommandListStore {
     shared: Arc<SharedLists>,
     /// Right that a command needs.
     right_of: fn(&Command) -> Right,
@@ -102,7 +102,7 @@ pub enum CommandListError {
     StaysMarked(CommandListFileError),
 }
 
-impl CommandListDesk {
+impl CommandListStore {
     /// Lists whose commands need the rights that `right_of` names.
     pub fn new(right_of: fn(&Command) -> Right) -> Self {
         Self { shared: Arc::default(), right_of }

@@ -87,7 +87,7 @@ struct FileVersion {
 
 /// The contacts of all robots that a station receives.
 #[derive(Debug, Clone, Default)]
-pub struct ContactDesk(Arc<SharedContacts>);
+pub struct ContactStore(Arc<SharedContacts>);
 
 #[derive(Debug, Default)]
 struct SharedContacts {
@@ -130,7 +130,7 @@ impl KnownContacts {
     }
 }
 
-impl ContactDesk {
+impl ContactStore {
     /// The contacts of a robot that the station receives.
     pub fn known(&self, robot: &str) -> Option<KnownContacts> {
         self.0.robots.lock().get(robot).map(|robot| robot.known.clone())
@@ -190,7 +190,7 @@ fn read(file: &ContactFile, before: KnownContacts) -> KnownContacts {
 
 #[cfg(test)]
 mod tests {
-    use super::{ContactDesk, ContactFile, ContactsNotSet};
+    use super::{ContactFile, ContactStore, ContactsNotSet};
     use rafcon_protocol::ContactPlan;
     use std::fs;
     use std::os::unix::fs::PermissionsExt as _;
@@ -206,16 +206,16 @@ mod tests {
     fn a_plan_is_private_and_survives_a_restart() {
         let folder = tempfile::tempdir().unwrap();
         let robot = folder.path().join("scout");
-        let desk = ContactDesk::default();
-        assert!(matches!(desk.set("scout", plan("14:20")), Err(ContactsNotSet::NotReceived)));
-        assert!(desk.known("scout").is_none());
-        assert_eq!(desk.receive("scout", &robot), None);
-        assert_eq!(*desk.known("scout").unwrap().plan, ContactPlan::default());
-        desk.set("scout", plan("14:20")).unwrap();
-        assert_eq!(*desk.known("scout").unwrap().plan, plan("14:20"));
+        let store = ContactStore::default();
+        assert!(matches!(store.set("scout", plan("14:20")), Err(ContactsNotSet::NotReceived)));
+        assert!(store.known("scout").is_none());
+        assert_eq!(store.receive("scout", &robot), None);
+        assert_eq!(*store.known("scout").unwrap().plan, ContactPlan::default());
+        store.set("scout", plan("14:20")).unwrap();
+        assert_eq!(*store.known("scout").unwrap().plan, plan("14:20"));
         let file = robot.join("contacts.json");
         assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o600);
-        let again = ContactDesk::default();
+        let again = ContactStore::default();
         assert_eq!(again.receive("scout", &robot), None);
         assert_eq!(*again.known("scout").unwrap().plan, plan("14:20"));
     }
@@ -223,25 +223,25 @@ mod tests {
     #[test]
     fn a_file_that_another_program_changes_is_read_and_a_bad_one_changes_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let desk = ContactDesk::default();
-        assert_eq!(desk.receive("scout", folder.path()), None);
+        let store = ContactStore::default();
+        assert_eq!(store.receive("scout", folder.path()), None);
         ContactFile::in_folder(folder.path()).write(&plan("14:20")).unwrap();
-        assert_eq!(desk.refresh("scout"), None);
-        assert_eq!(*desk.known("scout").unwrap().plan, plan("14:20"));
+        assert_eq!(store.refresh("scout"), None);
+        assert_eq!(*store.known("scout").unwrap().plan, plan("14:20"));
         fs::write(folder.path().join("contacts.json"), "[1]").unwrap();
-        let problem = desk.refresh("scout").unwrap();
+        let problem = store.refresh("scout").unwrap();
         assert!(problem.contains("is no plan of contacts: window 1: "), "{problem}");
         // It is reported once.
-        assert_eq!(desk.refresh("scout"), None);
-        let known = desk.known("scout").unwrap();
+        assert_eq!(store.refresh("scout"), None);
+        let known = store.known("scout").unwrap();
         assert_eq!((&*known.plan, known.problem.as_ref()), (&plan("14:20"), Some(&problem)));
         // A station that starts with it knows no plan.
-        assert_eq!(ContactDesk::default().receive("scout", folder.path()), Some(problem));
-        desk.set("scout", plan("15:00")).unwrap();
-        assert!(desk.known("scout").unwrap().problem.is_none());
-        assert_eq!(desk.refresh("scout"), None);
+        assert_eq!(ContactStore::default().receive("scout", folder.path()), Some(problem));
+        store.set("scout", plan("15:00")).unwrap();
+        assert!(store.known("scout").unwrap().problem.is_none());
+        assert_eq!(store.refresh("scout"), None);
         fs::remove_file(folder.path().join("contacts.json")).unwrap();
-        assert_eq!(desk.refresh("scout"), None);
-        assert_eq!(*desk.known("scout").unwrap().plan, ContactPlan::default());
+        assert_eq!(store.refresh("scout"), None);
+        assert_eq!(*store.known("scout").unwrap().plan, ContactPlan::default());
     }
 }

@@ -27,7 +27,7 @@ pub enum NotTaken {
 
 /// The requests of a station's server to robots.
 #[derive(Debug, Clone, Default)]
-pub struct RequestDesk(Arc<Mutex<BTreeMap<String, Requests>>>);
+pub struct RequestBroker(Arc<Mutex<BTreeMap<String, Requests>>>);
 
 /// Requests to one robot, by their ids.
 #[derive(Default)]
@@ -43,7 +43,7 @@ impl fmt::Debug for Requests {
     }
 }
 
-impl RequestDesk {
+impl RequestBroker {
     /// Asks a robot for something, once for each id. `answered` is called on the station's thread.
     pub fn ask(
         &self,
@@ -91,7 +91,7 @@ impl RequestDesk {
 
 #[cfg(test)]
 mod tests {
-    use super::{NotTaken, REPEATED_MAX, REQUESTS_MAX, RequestDesk};
+    use super::{NotTaken, REPEATED_MAX, REQUESTS_MAX, RequestBroker};
     use rafcon_protocol::OnCrash;
     use rafcon_protocol::api::{
         ResumeRequest, ResumeRun, RobotAnswer, RobotRequest, StartOf, StartRequest,
@@ -121,40 +121,40 @@ mod tests {
 
     #[test]
     fn a_request_is_taken_once_and_its_answer_reaches_all_who_wait() {
-        let desk = RequestDesk::default();
+        let broker = RequestBroker::default();
         let (answer, answered) = sync_channel(32);
         let ask = |robot: &str, nth, word: usize| {
             let answer = answer.clone();
             let said = Box::new(move |it| answer.send((word, it)).unwrap_or_default());
-            desk.ask(robot, request(nth), said)
+            broker.ask(robot, request(nth), said)
         };
         assert_eq!(ask("scout", 1, 0), Err(NotTaken::NotReceived));
         for robot in ["scout", "mule"] {
-            desk.receive(robot);
+            broker.receive(robot);
         }
         for word in 0..=REPEATED_MAX {
             assert_eq!(ask("scout", 1, word), Ok(()));
         }
-        assert_eq!((desk.take("mule"), desk.take("scout")), (vec![], vec![request(1)]));
-        assert_eq!(desk.take("scout"), []);
-        desk.answer("mule", "ana/1", &RobotAnswer::Expired);
-        desk.answer("scout", "ana/1", &done());
-        desk.answer("scout", "ana/1", &RobotAnswer::Expired);
+        assert_eq!((broker.take("mule"), broker.take("scout")), (vec![], vec![request(1)]));
+        assert_eq!(broker.take("scout"), []);
+        broker.answer("mule", "ana/1", &RobotAnswer::Expired);
+        broker.answer("scout", "ana/1", &done());
+        broker.answer("scout", "ana/1", &RobotAnswer::Expired);
         let all: Vec<_> = (1..=REPEATED_MAX).map(|word| (word, done())).collect();
         assert_eq!(answered.try_iter().collect::<Vec<_>>(), all);
     }
 
     #[test]
     fn beyond_the_bound_requests_are_refused_until_one_is_answered() {
-        let desk = RequestDesk::default();
+        let broker = RequestBroker::default();
         for robot in ["scout", "mule"] {
-            desk.receive(robot);
+            broker.receive(robot);
         }
-        let ask = |robot, nth| desk.ask(robot, request(nth), Box::new(|_| {}));
+        let ask = |robot, nth| broker.ask(robot, request(nth), Box::new(|_| {}));
         assert!((0..REQUESTS_MAX).all(|nth| ask("scout", nth).is_ok()));
         assert_eq!(ask("scout", REQUESTS_MAX), Err(NotTaken::Full));
         assert_eq!([ask("scout", 0), ask("mule", REQUESTS_MAX)], [Ok(()); 2]);
-        desk.answer("scout", "ana/0", &done());
+        broker.answer("scout", "ana/0", &done());
         assert_eq!(ask("scout", REQUESTS_MAX), Ok(()));
     }
 }

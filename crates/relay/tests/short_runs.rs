@@ -7,8 +7,9 @@ use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, CommandListDesk, ContactDesk, Paired, Pairing, Projects, RequestDesk,
-    RobotSettings, StationAddress, StationSettings, Stopper, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, CommandListStore, ContactStore, Paired, Pairing, Projects, RequestBroker,
+    RobotSettings, StationAddress, StationSettings, Stopper, ValueFetchBroker, relay_robot,
+    relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -136,10 +137,10 @@ impl World {
             bind: self.address,
             tls: None,
             profile: Profile::LAN,
-            desk: ValueDesk::default(),
-            server_requests: RequestDesk::default(),
-            contacts: ContactDesk::default(),
-            lists: CommandListDesk::new(|_| Right::Command),
+            value_fetches: ValueFetchBroker::default(),
+            server_requests: RequestBroker::default(),
+            contacts: ContactStore::default(),
+            lists: CommandListStore::new(|_| Right::Command),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

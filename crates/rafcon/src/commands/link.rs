@@ -13,9 +13,10 @@ use rafcon_protocol::api::{
 };
 use rafcon_protocol::{Command, CommandList, ContactPlan, ListedCommand};
 use rafcon_relay::{
-    Answered, Authority, CommandListDesk, CommandListError, CommandListFileError, ContactDesk,
-    ContactsNotSet, Paired, Pairing, PairingList, PairingRights, Projects, RequestDesk,
-    RobotSettings, StationSettings, Stopper, ValueCost, ValueDesk, relay_robot, relay_station,
+    Answered, Authority, CommandListError, CommandListFileError, CommandListStore, ContactStore,
+    ContactsNotSet, Paired, Pairing, PairingList, PairingRights, Projects, RequestBroker,
+    RobotSettings, StationSettings, Stopper, ValueCost, ValueFetchBroker, relay_robot,
+    relay_station,
 };
 use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots, RunAuthority, Settings};
 use std::fs::{self, OpenOptions};
@@ -185,20 +186,20 @@ impl Authority for ServerAuthority {
 
 /// Forwards requests of the station's server for its robots to the station.
 #[derive(Debug, Clone)]
-pub(super) struct StationDesk {
-    values: ValueDesk,
-    requests: RequestDesk,
-    contacts: ContactDesk,
-    lists: CommandListDesk,
+pub(super) struct StationBroker {
+    values: ValueFetchBroker,
+    requests: RequestBroker,
+    contacts: ContactStore,
+    lists: CommandListStore,
 }
 
-impl Default for StationDesk {
+impl Default for StationBroker {
     fn default() -> Self {
         Self {
-            values: ValueDesk::default(),
-            requests: RequestDesk::default(),
-            contacts: ContactDesk::default(),
-            lists: CommandListDesk::new(RunAuthority::right_of),
+            values: ValueFetchBroker::default(),
+            requests: RequestBroker::default(),
+            contacts: ContactStore::default(),
+            lists: CommandListStore::new(RunAuthority::right_of),
         }
     }
 }
@@ -221,7 +222,7 @@ fn list_fault(why: CommandListError) -> CommandListFault {
     }
 }
 
-impl Robots for StationDesk {
+impl Robots for StationBroker {
     fn fetch(&self, robot: &str, (run, number): (&str, u64), length: u64, budget: u64) -> bool {
         self.values.fetch(robot, (run.to_owned(), number), length, budget)
     }
@@ -350,7 +351,7 @@ impl Relays {
         raw: &cli::Link,
         listen: SocketAddr,
         server: &Settings,
-        desk: &StationDesk,
+        broker: &StationBroker,
     ) -> Result<()> {
         let (state, runs) = (&server.state, &server.runs);
         let (tls, fingerprint) = rafcon_server::tls_config(server)?;
@@ -366,10 +367,10 @@ impl Relays {
             bind: listen,
             tls: Some(Arc::new(StationTls(tls))),
             profile: profile(raw.profile),
-            desk: desk.values.clone(),
-            server_requests: desk.requests.clone(),
-            contacts: desk.contacts.clone(),
-            lists: desk.lists.clone(),
+            value_fetches: broker.values.clone(),
+            server_requests: broker.requests.clone(),
+            contacts: broker.contacts.clone(),
+            lists: broker.lists.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();

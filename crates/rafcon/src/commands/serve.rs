@@ -1,7 +1,7 @@
 //! `rafcon serve`: converts the options to the settings of a server. `rafcon-server` does the rest.
 
 use super::kept::runs_folder;
-use super::link::{Relays, ServerAuthority, StationDesk};
+use super::link::{Relays, ServerAuthority, StationBroker};
 use super::ros;
 use crate::cli;
 use crate::environment::{self, Environment};
@@ -30,9 +30,9 @@ pub(super) fn serve(
     let projects = projects(&settings);
     relays.robot(&raw.link, (&state, &runs, &projects), &authority, environment)?;
     if let Some(listen) = robots {
-        let desk = StationDesk::default();
-        relays.station(&raw.link, listen, &settings, &desk)?;
-        settings.robots = Some(Arc::new(desk));
+        let broker = StationBroker::default();
+        relays.station(&raw.link, listen, &settings, &broker)?;
+        settings.robots = Some(Arc::new(broker));
     }
     let mut bridge = None;
     let served = rafcon_server::serve(settings, |server| {

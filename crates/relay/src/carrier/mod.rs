@@ -1,16 +1,16 @@
 //! How datagrams reach the other side: by UDP, or as messages of a WebSocket where UDP is closed. What is sent may be lost: a network
 //! that is not there is a link that loses everything.
 
+mod acceptor;
 mod connection;
 mod dialler;
-mod door;
 
+pub use acceptor::Secure;
 pub use connection::ByteStream;
 pub use dialler::Dial;
-pub use door::Secure;
 
+pub(crate) use acceptor::accept_connections;
 pub(crate) use dialler::Dialler;
-pub(crate) use door::open_door;
 
 use connection::Connection;
 use std::net::{SocketAddr, UdpSocket};

@@ -5,10 +5,10 @@ use rafcon_protocol::ListFate;
 use rafcon_protocol::{CommandStage, LISTED_MAX};
 use std::thread;
 
-fn desk(folder: &Path) -> CommandListDesk {
-    let desk = CommandListDesk::new(|_| Right::Command);
-    desk.receive("scout", folder);
-    desk
+fn store(folder: &Path) -> CommandListStore {
+    let store = CommandListStore::new(|_| Right::Command);
+    store.receive("scout", folder);
+    store
 }
 
 fn pauses(count: usize) -> Vec<ListedCommand> {
@@ -19,7 +19,7 @@ fn pauses(count: usize) -> Vec<ListedCommand> {
 
 /// Does something while the questions to the station are answered by `answer`; returns the result.
 fn with_station<T: Send>(
-    desk: &CommandListDesk,
+    store: &CommandListStore,
     answers: usize,
     answer: impl Fn(usize, &ListQuestion) -> Vec<LineReport> + Send,
     act: impl FnOnce() -> T,
@@ -28,7 +28,7 @@ fn with_station<T: Send>(
         let station = move || {
             let mut nth = 0;
             while nth < answers {
-                for question in desk.take("scout") {
+                for question in store.take("scout") {
                     let reports = answer(nth, &question);
                     question.answer(reports);
                     nth += 1;
@@ -61,9 +61,9 @@ fn request(revision: &str) -> ListRequest {
 #[test]
 fn a_release_is_on_the_disk_with_its_times_before_anything_is_sent() {
     let folder = tempfile::tempdir().unwrap();
-    let desk = desk(folder.path());
+    let store = store(folder.path());
     let list =
-        with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2), None).unwrap());
+        with_station(&store, 1, |_, it| good(it), || store.set("scout", pauses(2), None).unwrap());
     let file = CommandListFile::in_folder(folder.path());
     let answer = |_, question: &ListQuestion| {
         let on_disk = file.read().unwrap();
@@ -71,8 +71,8 @@ fn a_release_is_on_the_disk_with_its_times_before_anything_is_sent() {
         assert_eq!(on_disk, question.list);
         good(question)
     };
-    let release = || desk.release("scout", &request(&list.revision)).unwrap();
-    let released = with_station(&desk, 2, answer, release);
+    let release = || store.release("scout", &request(&list.revision)).unwrap();
+    let released = with_station(&store, 2, answer, release);
     assert_eq!(released.released.as_ref().map(|it| it.user.as_str()), Some("ana"));
     assert!(released.lines.iter().all(|line| line.fate.is_some()));
     let times = file.read().unwrap().times(&rafcon_protocol::ContactPlan::default(), 0);
@@ -83,23 +83,23 @@ fn a_release_is_on_the_disk_with_its_times_before_anything_is_sent() {
         assert_eq!(question.list.ids(), ids);
         good(question)
     };
-    with_station(&desk, 2, same, || desk.release("scout", &request(&list.revision)).unwrap());
+    with_station(&store, 2, same, || store.release("scout", &request(&list.revision)).unwrap());
 }
 
 #[test]
 fn a_list_with_a_fault_is_not_released_and_keeps_no_mark() {
     let folder = tempfile::tempdir().unwrap();
-    let desk = desk(folder.path());
+    let store = store(folder.path());
     let list =
-        with_station(&desk, 1, |_, it| good(it), || desk.set("scout", pauses(2), None).unwrap());
+        with_station(&store, 1, |_, it| good(it), || store.set("scout", pauses(2), None).unwrap());
     // The fault is there before the mark, or comes between the mark and the send.
     for faulty in [0, 1] {
         let answer = |nth, question: &ListQuestion| match nth {
             nth if nth == faulty => bad(question),
             _ => good(question),
         };
-        let release = || desk.release("scout", &request(&list.revision)).unwrap_err();
-        let why = with_station(&desk, faulty + 1, answer, release);
+        let release = || store.release("scout", &request(&list.revision)).unwrap_err();
+        let why = with_station(&store, faulty + 1, answer, release);
         assert_eq!(
             why.to_string(),
             "nothing was sent, because of these faults:\nline 1 (pause of run r): no room"
@@ -110,21 +110,21 @@ fn a_list_with_a_fault_is_not_released_and_keeps_no_mark() {
     let fault = Some("you may not".to_owned());
     let lines = vec![LineRequest::default(), LineRequest { fault, is_settled: false }];
     let request = ListRequest { lines, ..request(&list.revision) };
-    let release = || desk.release("scout", &request).unwrap_err();
-    let why = with_station(&desk, 1, |_, it| good(it), release);
+    let release = || store.release("scout", &request).unwrap_err();
+    let why = with_station(&store, 1, |_, it| good(it), release);
     assert!(why.to_string().ends_with("line 2 (pause of run r): you may not"), "{why}");
 }
 
 #[test]
 fn another_list_than_the_reviewed_one_is_not_released() {
     let folder = tempfile::tempdir().unwrap();
-    let desk = desk(folder.path());
-    let set = || desk.set("scout", pauses(1), None).unwrap().revision;
-    let [before, now] = [(); 2].map(|()| with_station(&desk, 1, |_, it| good(it), set));
-    let refused = |revision: &str| desk.release("scout", &request(revision)).unwrap_err();
+    let store = store(folder.path());
+    let set = || store.set("scout", pauses(1), None).unwrap().revision;
+    let [before, now] = [(); 2].map(|()| with_station(&store, 1, |_, it| good(it), set));
+    let refused = |revision: &str| store.release("scout", &request(revision)).unwrap_err();
     assert!(matches!(refused(&before), CommandListError::Stale));
-    assert!(matches!(desk.list("mule"), Err(CommandListError::NotReceived)));
-    with_station(&desk, 1, |_, it| good(it), || desk.set("scout", Vec::new(), None).unwrap());
+    assert!(matches!(store.list("mule"), Err(CommandListError::NotReceived)));
+    with_station(&store, 1, |_, it| good(it), || store.set("scout", Vec::new(), None).unwrap());
     assert!(matches!(refused(&now), CommandListError::Stale));
     let empty = CommandListFile::in_folder(folder.path()).read().unwrap().revision();
     assert!(matches!(refused(&empty), CommandListError::Empty));
@@ -133,9 +133,9 @@ fn another_list_than_the_reviewed_one_is_not_released() {
 #[test]
 fn so_many_questions_wait_for_the_station() {
     let folder = tempfile::tempdir().unwrap();
-    let desk = desk(folder.path());
+    let store = store(folder.path());
     let list = CommandListFile::in_folder(folder.path()).set(pauses(LISTED_MAX), None).unwrap();
-    let mut robots = desk.shared.robots.lock();
+    let mut robots = store.shared.robots.lock();
     let robot = robots.get_mut("scout").unwrap();
     let question = |number| ListQuestion {
         number,
@@ -147,12 +147,12 @@ fn so_many_questions_wait_for_the_station() {
     };
     robot.questions = (0..QUESTIONS_MAX as u64).map(question).collect();
     drop(robots);
-    assert!(matches!(desk.list("scout"), Err(CommandListError::Busy)));
-    assert!(desk.withdraw("scout", 0) && !desk.withdraw("scout", 0));
+    assert!(matches!(store.list("scout"), Err(CommandListError::Busy)));
+    assert!(store.withdraw("scout", 0) && !store.withdraw("scout", 0));
     with_station(
-        &desk,
+        &store,
         QUESTIONS_MAX,
         |_, question| vec![LineReport::default(); question.list.commands().len()],
-        || assert_eq!(desk.list("scout").unwrap().lines.len(), LISTED_MAX),
+        || assert_eq!(store.list("scout").unwrap().lines.len(), LISTED_MAX),
     );
 }

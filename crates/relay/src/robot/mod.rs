@@ -40,7 +40,7 @@ use std::time::Duration;
 use watches::{RobotWatches, age_max};
 
 /// Interval at which the state of the link is stored.
-const KEEP_EVERY: Duration = Duration::from_secs(10);
+const SAVE_EVERY: Duration = Duration::from_secs(10);
 /// Interval of the steps with ended runs.
 const STEP_EVERY: Duration = Duration::from_millis(100);
 
@@ -104,27 +104,29 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         station_start,
         early: EarlyCommands::default(),
     };
-    let (mut look_at, mut go_on_at, mut keep_at) = (Duration::ZERO, Duration::ZERO, KEEP_EVERY);
+    let (mut next_scan_at, mut next_step_at, mut next_save_at) =
+        (Duration::ZERO, Duration::ZERO, SAVE_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
-        if now >= look_at {
-            look_at = now + REPORT_EVERY;
-            relay.look(now);
+        if now >= next_scan_at {
+            next_scan_at = now + REPORT_EVERY;
+            relay.scan(now);
             reporter.set(vec![relay.report(now)]);
-            go_on_at = relay.next_step(now);
-        } else if now >= go_on_at {
+            next_step_at = relay.next_step(now);
+        } else if now >= next_step_at {
             relay.go_on(now);
-            go_on_at = relay.next_step(now);
+            next_step_at = relay.next_step(now);
         }
-        if now >= keep_at {
-            keep_at = now + KEEP_EVERY;
+        if now >= next_save_at {
+            next_save_at = now + SAVE_EVERY;
             relay.keep_heard(&mut start);
             relay.keep_watches(now);
         }
         relay.carry_out_due();
-        relay.look_at_watched(now);
+        relay.scan_watched(now);
         relay.send()?;
-        let next = relay.session.next_transmit(now).min(look_at).min(go_on_at).min(keep_at);
+        let next =
+            relay.session.next_transmit(now).min(next_scan_at).min(next_step_at).min(next_save_at);
         let mut time = next.saturating_sub(relay.clock.now());
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
@@ -212,8 +214,8 @@ impl RobotRelay<'_> {
     }
 
     /// Scans the runs, and exchanges with runners and station what changes slowly.
-    fn look(&mut self, now: Duration) {
-        self.look_at_runs(now);
+    fn scan(&mut self, now: Duration) {
+        self.scan_runs(now);
         self.give_early();
         self.session.set_calendar(now, clock::since_1970_ms());
         self.tell_control();
@@ -223,7 +225,7 @@ impl RobotRelay<'_> {
     }
 
     /// Scans the runs, and releases those that are whole at the station.
-    fn look_at_runs(&mut self, now: Duration) {
+    fn scan_runs(&mut self, now: Duration) {
         let is_heard = self.session.is_heard(now);
         let start = self.session.station_start();
         if self.station_start != start {
@@ -232,7 +234,7 @@ impl RobotRelay<'_> {
             }
             self.station_start = start;
         }
-        self.runs.look(&mut self.session, is_heard);
+        self.runs.scan(&mut self.session, is_heard);
         self.let_go();
     }
 
@@ -288,9 +290,9 @@ impl RobotRelay<'_> {
     }
 
     /// Looks for new values that are watched and that the events do not bring in time.
-    fn look_at_watched(&mut self, now: Duration) {
+    fn scan_watched(&mut self, now: Duration) {
         for stream in self.watches.due(now, &self.session) {
-            self.runs.look_at_watched(stream, &mut self.watches, &mut self.session);
+            self.runs.scan_watched(stream, &mut self.watches, &mut self.session);
         }
     }
 
@@ -362,7 +364,7 @@ impl RobotRelay<'_> {
                 Ok(late_fate.flatten().unwrap_or((CommandState::Started, String::new())))
             }
             Ok((stream, word)) => self
-                .heed(now, (stream, word), (epoch, not_after_ms))
+                .handle(now, (stream, word), (epoch, not_after_ms))
                 .map(|state| (state, String::new())),
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
@@ -402,7 +404,7 @@ impl RobotRelay<'_> {
         }
     }
 
-    fn heed(
+    fn handle(
         &mut self,
         now: Duration,
         (stream, word): (StreamId, StationRequest),

@@ -17,7 +17,7 @@ use std::thread;
 use std::time::Duration;
 
 /// Interval of project scans while no run needs a parcel.
-const LOOK_EVERY: Duration = Duration::from_secs(3);
+const SCAN_EVERY: Duration = Duration::from_secs(3);
 /// Limits in parcels and bytes beyond which unused parcels are dropped.
 const PARCELS_MAX: usize = 32;
 const BYTES_MAX: u64 = 16 << 20;
@@ -147,9 +147,9 @@ pub(super) fn begin(
 impl ParcelMaker {
     fn work(&mut self, works: &Receiver<ParcelWork>) {
         loop {
-            let looked = self.projects.look(&mut self.parcels);
+            let looked = self.projects.scan(&mut self.parcels);
             let mut is_new = self.told(looked).unwrap_or(false);
-            let mut next = works.recv_timeout(if is_new { Duration::ZERO } else { LOOK_EVERY });
+            let mut next = works.recv_timeout(if is_new { Duration::ZERO } else { SCAN_EVERY });
             while let Ok(work) = next {
                 self.perform(work);
                 is_new = true;

@@ -64,7 +64,7 @@ impl ProjectMachines {
     }
 
     /// Creates parcels of changed machines. Returns whether there are any.
-    pub(super) fn look(&mut self, parcels: &mut Parcels) -> io::Result<bool> {
+    pub(super) fn scan(&mut self, parcels: &mut Parcels) -> io::Result<bool> {
         let mut left = ENTRIES_MAX;
         let roots = self.projects.libraries.iter().map(|root| root.dir.clone()).collect::<Vec<_>>();
         let libraries = stamp(&roots, &mut left);
@@ -198,16 +198,16 @@ mod tests {
         for number in 0..MACHINES_MAX {
             write(&project.join(number.to_string()), &format!("x = {number}"));
         }
-        assert!(machines.look(&mut parcels).unwrap());
+        assert!(machines.scan(&mut parcels).unwrap());
         assert_eq!(machines.ahead().len(), MACHINES_MAX);
         let before = machines.ahead().to_vec();
         write(&project.join("more"), "x = 99");
-        assert!(machines.look(&mut parcels).unwrap());
+        assert!(machines.scan(&mut parcels).unwrap());
         assert_eq!(machines.ahead().len(), MACHINES_MAX);
         assert!(!before.contains(&machines.ahead()[0]));
         // The newest one is too large by itself; the others are sent as before.
         write(&project.join("large"), &"#".repeat(BYTES_MAX + 1));
-        assert!(machines.look(&mut parcels).unwrap());
+        assert!(machines.scan(&mut parcels).unwrap());
         assert_eq!(machines.ahead().len(), MACHINES_MAX - 1);
         assert_eq!(parcels.all().len(), MACHINES_MAX + 1);
     }

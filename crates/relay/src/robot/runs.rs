@@ -113,7 +113,7 @@ impl RobotRuns {
     }
 
     /// Looks for new values of a run that are watched.
-    pub(super) fn look_at_watched(
+    pub(super) fn scan_watched(
         &mut self,
         stream: StreamId,
         watches: &mut RobotWatches,
@@ -122,7 +122,7 @@ impl RobotRuns {
         // A later read may succeed, and the events have the data, too.
         let Some(id) = self.streams.get(&stream).cloned() else { return };
         let Some(source) = self.open(&id) else { return };
-        drop(watches.look(stream, source.reader(), session));
+        drop(watches.scan(stream, source.reader(), session));
     }
 
     /// Goes on with the runs that earlier starts sent: they may have ended since.
@@ -144,7 +144,7 @@ impl RobotRuns {
     }
 
     /// Goes on to the next of the older runs when the station has those before.
-    fn look_at_older(&mut self, session: &mut RobotSession, is_heard: bool) {
+    fn scan_older(&mut self, session: &mut RobotSession, is_heard: bool) {
         let is_open = |run: &&RobotRun| run.is_older && !run.is_done(session);
         let mut open = self.all.values().filter(is_open).count();
         while is_heard
@@ -212,7 +212,7 @@ impl RobotRuns {
 
     /// Continues with ended runs, in steps short enough for the loop.
     pub(super) fn go_on(&mut self, session: &mut RobotSession, is_heard: bool) {
-        self.look_at_older(session, is_heard);
+        self.scan_older(session, is_heard);
         self.hash(session);
     }
 
@@ -223,7 +223,7 @@ impl RobotRuns {
     }
 
     /// Looks for runs that continue and are not followed, and for machines that runs have kept since.
-    pub(super) fn look(&mut self, session: &mut RobotSession, is_heard: bool) {
+    pub(super) fn scan(&mut self, session: &mut RobotSession, is_heard: bool) {
         self.parcels.tell_waiting();
         for run in self.all.values_mut() {
             // An ended run does not change after its last scan.
@@ -249,7 +249,7 @@ impl RobotRuns {
             let is_live = matches!(writer_of(folder), Ok(Some(_)));
             if !is_live {
                 let was_live = run.is_some_and(|run| run.fate == RunFate::Live);
-                self.look_at_ended(&id, folder, was_live, session);
+                self.scan_ended(&id, folder, was_live, session);
                 continue;
             }
             match self.find(&id, folder, session) {
@@ -263,13 +263,7 @@ impl RobotRuns {
     }
 
     /// A run that ended before its runner was followed, or between two scans.
-    fn look_at_ended(
-        &mut self,
-        id: &str,
-        folder: &Path,
-        was_live: bool,
-        session: &mut RobotSession,
-    ) {
+    fn scan_ended(&mut self, id: &str, folder: &Path, was_live: bool, session: &mut RobotSession) {
         let is_new = !self.all.contains_key(id) && !self.seen.contains(id);
         // An unreadable run may be about to start, so that it is scanned again.
         let begun = if is_new { self.begin(id, folder, session).ok() } else { None };

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// Shortest interval between two searches for values.
-const LOOK_EVERY: Duration = Duration::from_millis(200);
+const SCAN_EVERY: Duration = Duration::from_millis(200);
 /// Capacity of the values of a run.
 const VALUES_MAX: usize = 1_024;
 
@@ -35,7 +35,7 @@ struct WatchedRun {
     moment: Option<Moment>,
     /// Last value found for each port.
     found: BTreeMap<ValuePlace, Found>,
-    look_at: Duration,
+    next_scan_at: Duration,
 }
 
 type ValuePlace = (WatchKind, String, String);
@@ -144,17 +144,17 @@ impl RobotWatches {
     /// Runs in which values are due for a search.
     pub(super) fn due(&mut self, now: Duration, session: &RobotSession) -> Vec<StreamId> {
         let is_due = |(stream, run): &(&StreamId, &mut WatchedRun)| {
-            run.look_at <= now && session.needs_watched(now, **stream)
+            run.next_scan_at <= now && session.needs_watched(now, **stream)
         };
         let due = self.runs.iter_mut().filter(is_due).map(|(stream, run)| {
-            run.look_at = now + LOOK_EVERY;
+            run.next_scan_at = now + SCAN_EVERY;
             *stream
         });
         due.collect()
     }
 
     /// Looks for values of a run that are new.
-    pub(super) fn look(
+    pub(super) fn scan(
         &mut self,
         stream: StreamId,
         reader: &mut Reader,
@@ -343,16 +343,16 @@ mod tests {
         };
         watch(&mut watches, 1, 1, &target(WatchKind::State, ""));
         let mut reader = Reader::open(&run).unwrap();
-        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        watches.scan(StreamId(1), &mut reader, &mut session).unwrap();
         assert_eq!(watches.runs[&StreamId(1)].found.len(), VALUES_MAX);
         record(&format!("leave R done\n{enter}"), before);
-        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        watches.scan(StreamId(1), &mut reader, &mut session).unwrap();
         let found = &watches.runs[&StreamId(1)].found;
         assert_eq!(found.len(), VALUES_MAX);
         assert!(found.values().all(|found| found.order == 3));
         // A shorter list makes room for the last value.
         watch(&mut watches, 1, 2, &target(WatchKind::Input, &ports[VALUES_MAX]));
-        watches.look(StreamId(1), &mut reader, &mut session).unwrap();
+        watches.scan(StreamId(1), &mut reader, &mut session).unwrap();
         assert_eq!(watches.runs[&StreamId(1)].found.len(), 1);
     }
 }

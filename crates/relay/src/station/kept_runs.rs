@@ -3,8 +3,8 @@
 //! Long because each step of a run on its way to the disk is here.
 
 use super::checking::Checking;
+use super::completed_runs::CompletedRuns;
 use super::disk::{FromDisk, KeyWork, OpenRun, SettledRun, Work};
-use super::had::CompletedRuns;
 use super::parcels::{RestoredParcel, StationParcels, TakenPart};
 use super::replica_run::ReplicaRun;
 use super::{GivenCommand, ToStation};
@@ -55,7 +55,7 @@ pub(super) struct Place {
 pub(super) struct KeptRuns {
     place: Place,
     start: Start,
-    had: CompletedRuns,
+    completed: CompletedRuns,
     parcels: StationParcels,
     /// The parts of parcels that are not written.
     parts: VecDeque<(StreamId, EventItems)>,
@@ -158,12 +158,12 @@ impl KeptRuns {
     pub(super) fn new(place: Place, start: Start, parcels: StationParcels) -> Self {
         let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), Duration::ZERO);
         let refused = VecDeque::new();
-        let had = CompletedRuns::read(start.folder());
+        let completed = CompletedRuns::read(start.folder());
         let (parts, are_stuck, came, problem) = (VecDeque::new(), false, 0, None);
         Self {
             place,
             start,
-            had,
+            completed,
             parcels,
             parts,
             are_stuck,
@@ -184,7 +184,7 @@ impl KeptRuns {
 
     /// The runs that are whole, by the streams of their events, with how many events and parts they have.
     pub(super) fn whole(&self) -> Vec<(StreamId, u64, u64)> {
-        self.had.runs().map(|(stream, run)| (stream, run.events, run.parts)).collect()
+        self.completed.runs().map(|(stream, run)| (stream, run.events, run.parts)).collect()
     }
 
     /// Goes on with the replicas that are here and may change.
@@ -193,7 +193,7 @@ impl KeptRuns {
         let folders = run_folders(&self.place.runs).unwrap_or_default();
         for (nth, folder) in folders.iter().rev().enumerate() {
             let id = folder.file_name().unwrap_or_default().to_string_lossy();
-            if nth >= CHECKED_MAX && self.had.find(&id).is_some() {
+            if nth >= CHECKED_MAX && self.completed.find(&id).is_some() {
                 continue;
             }
             let run = self.restore_one(folder, open < OPEN_AT_START);
@@ -217,7 +217,7 @@ impl KeptRuns {
             return found(last, RestoredState::Refused(why));
         }
         if matches!(summary.state, RunState::Finished { .. }) {
-            self.had.add(&id, events, (last, taken));
+            self.completed.add(&id, events, (last, taken));
             return found(last, RestoredState::Whole);
         }
         let mut run = KeptRun { about: Some(about), taken, ..KeptRun::default() };
@@ -247,7 +247,7 @@ impl KeptRuns {
             self.dropped += work.cost();
             return;
         }
-        let woken = || KeptRun::woken(run, &self.place, &self.had, &mut self.left);
+        let woken = || KeptRun::woken(run, &self.place, &self.completed, &mut self.left);
         let run = self.all.entry(run).or_insert_with(woken);
         match work {
             Work::Part(part) => run.parts.push_back(part),
@@ -271,7 +271,7 @@ impl KeptRuns {
                 run.work(*stream, &self.place, (&self.parcels, self.came), &mut written);
             if std::mem::take(&mut run.is_whole) {
                 let events = run.closed.unwrap_or(0);
-                self.had.add(run.name(), *stream, (events, run.taken));
+                self.completed.add(run.name(), *stream, (events, run.taken));
             }
             if is_due && trouble.is_none() {
                 trouble = run
@@ -293,7 +293,7 @@ impl KeptRuns {
                     let said = run.note_diverged(&self.place, &why);
                     run.refuse();
                     // It can be fetched again once its folder is moved away.
-                    self.had.add(run.name(), *stream, (0, 0));
+                    self.completed.add(run.name(), *stream, (0, 0));
                     self.place.say(FromDisk::Refused(*stream, said));
                 }
             }
@@ -320,7 +320,7 @@ impl KeptRuns {
                 self.refused.drain(..self.refused.len().saturating_sub(REFUSED_MAX));
                 continue;
             }
-            if self.had.get(stream).is_none() {
+            if self.completed.get(stream).is_none() {
                 self.left.insert(stream, run.name().to_owned());
             }
             let (events, parts) = (run.closed, run.taken);
@@ -403,12 +403,12 @@ impl KeptRun {
     fn woken(
         stream: StreamId,
         place: &Place,
-        had: &CompletedRuns,
+        completed: &CompletedRuns,
         left: &mut BTreeMap<StreamId, String>,
     ) -> Self {
-        let had_id = had.id_of(stream);
-        let is_refused = had_id.is_some();
-        let id = left.remove(&stream).or(had_id);
+        let completed_id = completed.id_of(stream);
+        let is_refused = completed_id.is_some();
+        let id = left.remove(&stream).or(completed_id);
         let folder = id.map(|id| place.runs.join(id));
         let about = folder.as_deref().and_then(|folder| About::read(folder).ok());
         let about = about.filter(|about| about.robot.as_ref() == Some(&place.robot));

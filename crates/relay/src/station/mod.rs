@@ -2,8 +2,8 @@
 
 mod asked;
 mod checking;
+mod completed_runs;
 mod disk;
-mod had;
 mod health;
 mod in_order;
 mod kept_runs;
@@ -21,16 +21,16 @@ mod watching;
 #[cfg(test)]
 pub(crate) use robot::default_lifetime;
 
-use crate::carrier::{Secure, open_door};
+use crate::carrier::{Secure, accept_connections};
 use crate::clock::SessionClock;
-use crate::command_lists::CommandListDesk;
-use crate::contacts::ContactDesk;
-use crate::desk::ValueDesk;
+use crate::command_lists::CommandListStore;
+use crate::contacts::ContactStore;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
-use crate::requests::RequestDesk;
+use crate::requests::RequestBroker;
+use crate::value_fetch_broker::ValueFetchBroker;
 use disk::FromDisk;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
@@ -45,9 +45,9 @@ use value_disk::FromValueDisk;
 use viewers::PendingRequest;
 
 /// Interval of run scans: complete runs are closed, and viewers receive the state of the link.
-const LOOK_EVERY: Duration = Duration::from_millis(250);
+const SCAN_EVERY: Duration = Duration::from_millis(250);
 /// Interval at which the state of the link is stored.
-const KEEP_EVERY: Duration = Duration::from_secs(10);
+const SAVE_EVERY: Duration = Duration::from_secs(10);
 
 /// Number of ports to try if any port is accepted.
 const TRIES: usize = 16;
@@ -80,13 +80,13 @@ pub struct StationSettings {
     /// Profile of the link.
     pub profile: Profile,
     /// Requests for large values.
-    pub desk: ValueDesk,
+    pub value_fetches: ValueFetchBroker,
     /// Requests of the server to start and resume runs.
-    pub server_requests: RequestDesk,
+    pub server_requests: RequestBroker,
     /// Planned contacts with the robots.
-    pub contacts: ContactDesk,
+    pub contacts: ContactStore,
     /// Command lists for the robots.
-    pub lists: CommandListDesk,
+    pub lists: CommandListStore,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }
@@ -122,7 +122,7 @@ fn receive(
         let (socket, listener) = bind_both(settings.bind)?;
         let address = socket.local_addr()?;
         inbox.receive(&Arc::new(socket), stopper)?;
-        open_door(listener, settings.tls.clone(), inbox.deliver(), stopper)?;
+        accept_connections(listener, settings.tls.clone(), inbox.deliver(), stopper)?;
         Ok(address)
     };
     begin().map_err(|source| RelayError::Bind { address: settings.bind, source })
@@ -212,24 +212,25 @@ pub fn relay_station(
     let mut paired = PairedRobots::default();
     let mut robots = paired.begin_all(settings, &inbox, clock)?;
     let reporter = Reporter::open(&settings.folder)?;
-    let (mut look_at, mut keep_at, mut report_at) = (LOOK_EVERY, KEEP_EVERY, REPORT_EVERY);
+    let (mut next_scan_at, mut next_save_at, mut next_report_at) =
+        (SCAN_EVERY, SAVE_EVERY, REPORT_EVERY);
     while !stopper.is_stopped() {
         let now = clock.now();
-        if now >= look_at {
-            look_at = now + LOOK_EVERY;
-            robots.iter_mut().for_each(StationRobot::look);
+        if now >= next_scan_at {
+            next_scan_at = now + SCAN_EVERY;
+            robots.iter_mut().for_each(StationRobot::scan);
         }
-        if now >= keep_at {
-            keep_at = now + KEEP_EVERY;
-            robots.iter_mut().for_each(StationRobot::keep);
+        if now >= next_save_at {
+            next_save_at = now + SAVE_EVERY;
+            robots.iter_mut().for_each(StationRobot::save);
         }
-        if now >= report_at {
-            report_at = now + REPORT_EVERY;
+        if now >= next_report_at {
+            next_report_at = now + REPORT_EVERY;
             paired.begin_new(settings, &inbox, clock, &mut robots);
             robots.iter().for_each(StationRobot::refresh_contacts);
             reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
-        let mut next = look_at.min(keep_at).min(report_at);
+        let mut next = next_scan_at.min(next_save_at).min(next_report_at);
         for robot in &mut robots {
             next = next.min(robot.send()?);
         }
@@ -246,14 +247,14 @@ pub fn relay_station(
                     robot.command(stream, &word);
                 }
             }
-            Some(Input::Other(ToStation::Disk(robot, said))) => {
+            Some(Input::Other(ToStation::Disk(robot, event))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.hear_disk(said);
+                    robot.on_disk_event(event);
                 }
             }
-            Some(Input::Other(ToStation::Values(robot, said))) => {
+            Some(Input::Other(ToStation::Values(robot, event))) => {
                 if let Some(robot) = robots.get_mut(robot) {
-                    robot.hear_value_disk(said);
+                    robot.on_value_disk_event(event);
                 }
             }
             None => {}

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Capacity of the statuses of runs that are not open yet: the session opens no more streams.
-const STANDS_MAX: usize = 4_096;
+const REPORTED_MAX: usize = 4_096;
 /// Capacity of their snapshots. Of more the newest are dropped: a run is shown once its state changes.
 const SNAPSHOTS_MAX: usize = 64;
 
@@ -89,7 +89,7 @@ pub(super) struct Early {
 
 impl Early {
     pub(super) fn reported(&mut self, run: StreamId, reported: ReportedRunState) {
-        if self.reported.len() < STANDS_MAX || self.reported.contains_key(&run) {
+        if self.reported.len() < REPORTED_MAX || self.reported.contains_key(&run) {
             self.reported.insert(run, reported);
         }
     }

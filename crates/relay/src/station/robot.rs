@@ -19,17 +19,17 @@ use super::viewers::PendingRequest;
 use super::{StationSettings, ToStation};
 use crate::carrier::Carrier;
 use crate::clock::SessionClock;
-use crate::command_lists::CommandListDesk;
-use crate::contacts::{ContactDesk, KnownContacts};
-use crate::desk::LinkRate;
+use crate::command_lists::CommandListStore;
+use crate::contacts::{ContactStore, KnownContacts};
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
 use crate::meter::{LinkMeter, millis, shortened};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
-use crate::requests::RequestDesk;
+use crate::requests::RequestBroker;
 use crate::start::Start;
+use crate::value_fetch_broker::LinkRate;
 use crate::watch_words;
 use crate::words::{ReportedRunState, RunFate, StationRequest};
 use rafcon_link::{
@@ -89,9 +89,9 @@ pub(super) struct StationRobot {
     /// Requests to the robot with an open fate.
     requests: PendingRequests,
     values: StationValues,
-    server_requests: RequestDesk,
-    contacts: ContactDesk,
-    lists: CommandListDesk,
+    server_requests: RequestBroker,
+    contacts: ContactStore,
+    lists: CommandListStore,
     /// Lists of watched values at the robot.
     watching: BTreeMap<StreamId, Asked>,
     /// Number of the last list.
@@ -115,7 +115,8 @@ impl StationRobot {
         if let Some(Pairing { key_id, key, .. }) = &new {
             session.use_key(*key_id, key);
         }
-        let (places, desk) = ((folder.as_path(), settings.runs.as_path()), settings.desk.clone());
+        let (places, desk) =
+            ((folder.as_path(), settings.runs.as_path()), settings.value_fetches.clone());
         let values = StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
         let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
@@ -190,7 +191,7 @@ impl StationRobot {
                     let whole = streams.into_iter();
                     whole.for_each(|(it, last)| self.session.restore_whole(it, last));
                 }
-                RestoredState::Refused(why) => self.hear_disk(FromDisk::Refused(events, why)),
+                RestoredState::Refused(why) => self.on_disk_event(FromDisk::Refused(events, why)),
             }
         }
     }
@@ -216,8 +217,8 @@ impl StationRobot {
     }
 
     /// Applies an event of the disk's thread.
-    pub(super) fn hear_disk(&mut self, said: FromDisk) {
-        match said {
+    pub(super) fn on_disk_event(&mut self, event: FromDisk) {
+        match event {
             FromDisk::Opened(stream, open) => self.opened(stream, open),
             FromDisk::Safe(stream, safe) => {
                 self.session.set_safe(stream, safe);
@@ -366,7 +367,7 @@ impl StationRobot {
             Received::Started => {
                 self.checked.clear();
                 // A station that starts again has to know the newest start of its robot.
-                self.keep();
+                self.save();
             }
         }
     }
@@ -397,7 +398,7 @@ impl StationRobot {
     }
 
     /// Shows how the link is, and what became of words; has runs closed that are complete.
-    pub(super) fn look(&mut self) {
+    pub(super) fn scan(&mut self) {
         self.note_overdue();
         if let Some(new) = self.new.take_if(|_| self.session.is_key_confirmed()) {
             self.disk.keep_key(KeyWork::Replace(new));
@@ -465,13 +466,13 @@ impl StationRobot {
     }
 
     /// Stores the state of the link for the next start.
-    pub(super) fn keep(&mut self) {
+    pub(super) fn save(&mut self) {
         self.disk.keep_heard(self.session.key_id(), self.session.horizon());
     }
 
     /// Writes what waits for the disk, as far as it takes it.
     pub(super) fn end(&mut self) {
-        self.keep();
+        self.save();
         self.disk.end();
     }
 
@@ -523,8 +524,8 @@ impl StationRobot {
     }
 
     /// Applies an event of the disk's thread for large values.
-    pub(super) fn hear_value_disk(&mut self, said: FromValueDisk) {
-        self.values.hear_disk(said, &mut self.session);
+    pub(super) fn on_value_disk_event(&mut self, event: FromValueDisk) {
+        self.values.on_disk_event(event, &mut self.session);
     }
 
     /// Asks the robot for what is watched of a run, as far as it fits.
@@ -579,7 +580,7 @@ impl StationRobot {
         }
         self.forget_watches();
         let now = self.clock.now();
-        self.values.heed(&mut self.session);
+        self.values.handle_requests(&mut self.session);
         let link = self.health(&self.contacts());
         let used = link.down_bytes_per_s.saturating_sub(self.values.bytes_per_s(now));
         let (most, part) = (self.profile.down_bits_per_s / 8, self.profile.value_part_bytes());

@@ -2,10 +2,10 @@
 //! for it is bounded; parts that do not fit are lost, as on any bad link, and come again.
 
 use super::replica_run::ReplicaRun;
-use crate::desk::ValueKey;
 use crate::ids;
 use crate::inbox::Input;
 use crate::station::ToStation;
+use crate::value_fetch_broker::ValueKey;
 use rafcon_link::{RangeSet, ValueId, ValueName};
 use rafcon_storage::journal::folder::check_run_id;
 use rafcon_storage::journal::folder::replace_file;

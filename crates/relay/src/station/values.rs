@@ -2,8 +2,8 @@
 
 use super::ToStation;
 use super::value_disk::{FromValueDisk, Rest, ValueDisk};
-use crate::desk::{LinkRate, Request, ValueDesk, ValueKey};
 use crate::inbox::Input;
+use crate::value_fetch_broker::{LinkRate, Request, ValueFetchBroker, ValueKey};
 use rafcon_link::{NoValue, RangeSet, StationSession, ValueId, ValueName};
 use rafcon_protocol::api::ValueFetch;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ const RATE_OVER: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub(super) struct StationValues {
     robot: String,
-    desk: ValueDesk,
+    fetches: ValueFetchBroker,
     disk: ValueDisk,
     /// Values that are being searched on the disk.
     opening: BTreeMap<ValueKey, Budget>,
@@ -71,7 +71,7 @@ impl StationValues {
     pub(super) fn begin(
         name: &str,
         (folder, runs): (&Path, &Path),
-        desk: ValueDesk,
+        fetches: ValueFetchBroker,
         (number, inbox): (usize, SyncSender<Input<ToStation>>),
     ) -> io::Result<Self> {
         let wanted = folder.join(WANTED_FILE);
@@ -80,7 +80,7 @@ impl StationValues {
         let (opening, coming) = (BTreeMap::new(), BTreeMap::new());
         let (came, measured, per_s) = (0, (0, Duration::ZERO), 0);
         let robot = name.to_owned();
-        let mut values = Self { robot, desk, disk, opening, coming, came, measured, per_s };
+        let mut values = Self { robot, fetches, disk, opening, coming, came, measured, per_s };
         for line in text.lines() {
             if let Some((key, whole)) = read_line(line) {
                 values.begin_one(key, Budget::Whole(whole));
@@ -90,8 +90,8 @@ impl StationValues {
     }
 
     /// Does what the server has asked for.
-    pub(super) fn heed(&mut self, session: &mut StationSession) {
-        for Request { key, budget, .. } in self.desk.take(&self.robot) {
+    pub(super) fn handle_requests(&mut self, session: &mut StationSession) {
+        for Request { key, budget, .. } in self.fetches.take(&self.robot) {
             let coming = self.coming.values().find(|coming| coming.key == key && !coming.is_whole);
             match (budget, coming) {
                 (Some(budget), Some(Coming { name, length, .. })) => {
@@ -113,14 +113,14 @@ impl StationValues {
     }
 
     /// Applies an event of the disk.
-    pub(super) fn hear_disk(&mut self, said: FromValueDisk, session: &mut StationSession) {
-        match said {
+    pub(super) fn on_disk_event(&mut self, event: FromValueDisk, session: &mut StationSession) {
+        match event {
             FromValueDisk::Opened(key, name, length, here) => {
                 self.opened(key, name, (length, here), session);
             }
             FromValueDisk::Here(key) => {
                 self.opening.remove(&key);
-                self.desk.set_here(&key);
+                self.fetches.set_here(&key);
             }
             FromValueDisk::NotOpened(key, why) => {
                 let budget = self.opening.remove(&key).map_or(0, |budget| budget.left(0));
@@ -130,7 +130,7 @@ impl StationValues {
             FromValueDisk::Finished(id, is_right) => {
                 let Some(Coming { key, .. }) = self.coming.remove(&id) else { return };
                 if is_right {
-                    self.desk.set_here(&key);
+                    self.fetches.set_here(&key);
                 } else {
                     let why =
                         "what came is not the value, by its hash, and was dropped: fetch it again";
@@ -237,7 +237,7 @@ impl StationValues {
     }
 
     fn fail(&self, key: &ValueKey, (here, budget): (u64, u64), why: &str) {
-        self.desk.set_progress(key, ValueFetch { here, budget, failed: Some(why.to_owned()) });
+        self.fetches.set_progress(key, ValueFetch { here, budget, failed: Some(why.to_owned()) });
     }
 
     /// Receive rate of large values in bytes per second.
@@ -253,11 +253,11 @@ impl StationValues {
 
     /// Stores the received ranges, and publishes progress and costs.
     pub(super) fn sync(&mut self, session: &StationSession, rate: LinkRate) {
-        self.desk.set_link(&self.robot, rate);
+        self.fetches.set_link(&self.robot, rate);
         for (id, coming) in &mut self.coming {
             let Some(progress) = session.fetch_progress(*id) else { continue };
             let (here, budget) = (progress.here.count(), progress.budget);
-            self.desk.set_progress(&coming.key, ValueFetch { here, budget, failed: None });
+            self.fetches.set_progress(&coming.key, ValueFetch { here, budget, failed: None });
             if std::mem::take(&mut coming.is_new) {
                 self.disk.note(*id, progress.here);
             }

@@ -95,10 +95,10 @@ fn a_run_whose_files_are_being_written_is_no_problem_and_is_sent_later() {
     fs::remove_file(&file).unwrap();
     let mut runs = robot.runs();
     // A problem panics.
-    runs.look(&mut robot.session, true);
+    runs.scan(&mut robot.session, true);
     assert!(runs.all.is_empty());
     fs::write(&file, text).unwrap();
-    runs.look(&mut robot.session, true);
+    runs.scan(&mut robot.session, true);
     assert!(runs.all.contains_key("run"));
 }
 
@@ -111,7 +111,7 @@ fn of_many_ended_runs_only_some_journals_are_open() {
         ended(&robot.folder_of(&id), &about(&id), 1);
     }
     let mut runs = robot.runs();
-    runs.look(&mut robot.session, true);
+    runs.scan(&mut robot.session, true);
     let open = |runs: &RobotRuns| runs.all.values().filter(|run| run.source.is_some()).count();
     assert_eq!((runs.all.len(), open(&runs)), (count, OPEN_MAX));
     // Those that were closed are opened again when their events are sent.
@@ -130,7 +130,7 @@ fn all_runs_that_ended_at_once_are_hashed_in_steps() {
         ended(&robot.folder_of(&id), &about(&id), 1);
     }
     let mut runs = robot.runs();
-    runs.look(&mut robot.session, true);
+    runs.scan(&mut robot.session, true);
     let hashed = |runs: &RobotRuns| runs.all.values().filter(|run| run.is_hashed()).count();
     assert_eq!((hashed(&runs), runs.is_busy(false)), (0, true));
     runs.go_on(&mut robot.session, true);
@@ -149,7 +149,7 @@ fn journals_that_cannot_be_read_hold_up_no_other() {
         ended(&robot.folder_of(id), &about(id), 1);
     }
     let mut runs = robot.runs();
-    runs.look(&mut robot.session, true);
+    runs.scan(&mut robot.session, true);
     let (readable, damaged) = ids.split_last().unwrap();
     for id in damaged {
         runs.all.get_mut(id).unwrap().source = None;

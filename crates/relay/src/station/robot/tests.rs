@@ -1,12 +1,12 @@
 //! The lists that a station has of a robot are bounded.
 
 use super::*;
-use crate::command_lists::CommandListDesk;
-use crate::contacts::ContactDesk;
-use crate::desk::ValueDesk;
+use crate::command_lists::CommandListStore;
+use crate::contacts::ContactStore;
 use crate::inbox::Inbox;
-use crate::requests::RequestDesk;
+use crate::requests::RequestBroker;
 use crate::station::viewers::Shared;
+use crate::value_fetch_broker::ValueFetchBroker;
 use rafcon_protocol::api::{ListRequest, Right};
 use rafcon_protocol::{Command, ListedCommand, WatchKind};
 use rafcon_storage::journal::About;
@@ -24,10 +24,10 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         bind: ([127, 0, 0, 1], 0).into(),
         tls: None,
         profile: Profile::LAN,
-        desk: ValueDesk::default(),
-        server_requests: RequestDesk::default(),
-        contacts: ContactDesk::default(),
-        lists: CommandListDesk::new(|_| Right::Command),
+        value_fetches: ValueFetchBroker::default(),
+        server_requests: RequestBroker::default(),
+        contacts: ContactStore::default(),
+        lists: CommandListStore::new(|_| Right::Command),
         tell: |_| {},
     };
     let inbox = Inbox::new();
@@ -45,7 +45,7 @@ fn of_many_refused_runs_the_first_are_named_and_the_others_counted() {
     let folder = tempfile::tempdir().unwrap();
     let (mut robot, _inbox) = robot(folder.path());
     let mut refuse = |number: usize| {
-        robot.hear_disk(FromDisk::Refused(stream(number), format!("run-{number} is bad")));
+        robot.on_disk_event(FromDisk::Refused(stream(number), format!("run-{number} is bad")));
         robot.report().problems
     };
     let named: Vec<_> = (0..REFUSED_MAX).map(&mut refuse).collect();
@@ -123,15 +123,15 @@ fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
         ListedCommand { run, command: Command::Pause, not_before: None, expiry: None }
     };
     let control = ListedCommand { command: Command::Control { holder: None }, ..pause("here") };
-    let desk = robot.lists.clone();
+    let lists = robot.lists.clone();
     let list = std::thread::scope(|scope| {
         let list = vec![pause("here"), pause("gone")];
         let set = std::thread::Builder::new().spawn_scoped(scope, || {
-            let before = desk.set("scout", list, None).unwrap();
+            let before = lists.set("scout", list, None).unwrap();
             let revision = before.revision.clone();
             let request = ListRequest { revision, user: "ana".to_owned(), lines: Vec::new() };
-            let refused = desk.release("scout", &request).unwrap_err();
-            (before, refused.to_string(), desk.set("scout", vec![control], None).unwrap())
+            let refused = lists.release("scout", &request).unwrap_err();
+            (before, refused.to_string(), lists.set("scout", vec![control], None).unwrap())
         });
         let set = set.unwrap();
         while !set.is_finished() {

@@ -15,10 +15,10 @@ pub(crate) type ValueKey = (String, u64);
 
 /// Requested large values of a station.
 #[derive(Debug, Clone, Default)]
-pub struct ValueDesk(Arc<Mutex<Desk>>);
+pub struct ValueFetchBroker(Arc<Mutex<State>>);
 
 #[derive(Debug, Default)]
-struct Desk {
+struct State {
     requests: Vec<Request>,
     fetches: BTreeMap<ValueKey, ValueFetch>,
     links: BTreeMap<String, LinkRate>,
@@ -53,28 +53,28 @@ pub struct ValueCost {
     pub takes_ms: Option<u64>,
 }
 
-impl ValueDesk {
+impl ValueFetchBroker {
     /// Requests a value of a robot's run with a budget in bytes. Returns false if the request is rejected.
     pub fn fetch(&self, robot: &str, key: (String, u64), length: u64, budget: u64) -> bool {
-        let mut desk = self.0.lock();
-        if !desk.links.contains_key(robot) || desk.requests.len() >= REQUESTS_MAX {
+        let mut state = self.0.lock();
+        if !state.links.contains_key(robot) || state.requests.len() >= REQUESTS_MAX {
             return false;
         }
-        let here = desk.fetches.get(&key).map_or(0, |fetch| fetch.here.min(length));
-        desk.fetches.insert(key.clone(), ValueFetch { here, budget, failed: None });
-        desk.requests.push(Request { robot: robot.to_owned(), key, budget: Some(budget) });
+        let here = state.fetches.get(&key).map_or(0, |fetch| fetch.here.min(length));
+        state.fetches.insert(key.clone(), ValueFetch { here, budget, failed: None });
+        state.requests.push(Request { robot: robot.to_owned(), key, budget: Some(budget) });
         true
     }
 
     /// Ends the request for a value.
     pub fn cancel(&self, robot: &str, key: (String, u64)) {
-        let mut desk = self.0.lock();
-        if desk.fetches.remove(&key).is_none() {
+        let mut state = self.0.lock();
+        if state.fetches.remove(&key).is_none() {
             return;
         }
         // It takes the place of the request that it ends, or is one more for each fetch that was taken: none is lost.
-        desk.requests.retain(|request| request.robot != robot || request.key != key);
-        desk.requests.push(Request { robot: robot.to_owned(), key, budget: None });
+        state.requests.retain(|request| request.robot != robot || request.key != key);
+        state.requests.push(Request { robot: robot.to_owned(), key, budget: None });
     }
 
     /// Progress of a value that is or was fetched.
@@ -98,10 +98,10 @@ impl ValueDesk {
 
     /// Stores the progress of a value, unless its request has ended.
     pub(crate) fn set_progress(&self, key: &ValueKey, fetch: ValueFetch) {
-        let mut desk = self.0.lock();
-        desk.fetches.insert(key.clone(), fetch);
-        if desk.fetches.len() > ENDED_MAX {
-            desk.fetches.retain(|other, fetch| other == key || fetch.failed.is_none());
+        let mut state = self.0.lock();
+        state.fetches.insert(key.clone(), fetch);
+        if state.fetches.len() > ENDED_MAX {
+            state.fetches.retain(|other, fetch| other == key || fetch.failed.is_none());
         }
     }
 
@@ -118,41 +118,43 @@ impl ValueDesk {
 
 #[cfg(test)]
 mod tests {
-    use super::{ENDED_MAX, LinkRate, REQUESTS_MAX, Request, ValueCost, ValueDesk, ValueFetch};
+    use super::{
+        ENDED_MAX, LinkRate, REQUESTS_MAX, Request, ValueCost, ValueFetch, ValueFetchBroker,
+    };
 
-    fn desk() -> ValueDesk {
-        ValueDesk::default()
+    fn broker() -> ValueFetchBroker {
+        ValueFetchBroker::default()
     }
 
     #[test]
     fn a_value_costs_its_bytes_and_the_headers_of_its_datagrams() {
-        let desk = desk();
-        assert_eq!(desk.cost("scout", 1_000), None);
-        assert!(!desk.fetch("scout", ("run".to_owned(), 7), 1_000, 2_000), "no such robot");
+        let broker = broker();
+        assert_eq!(broker.cost("scout", 1_000), None);
+        assert!(!broker.fetch("scout", ("run".to_owned(), 7), 1_000, 2_000), "no such robot");
         let rate = LinkRate { part: 100, overhead: 20, spare_per_s: Some(600) };
-        desk.set_link("scout", rate);
+        broker.set_link("scout", rate);
         let cost = ValueCost { link_bytes: 1_200, takes_ms: Some(2_000) };
-        assert_eq!(desk.cost("scout", 1_000), Some(cost));
-        desk.set_link("scout", LinkRate { spare_per_s: None, ..rate });
-        assert_eq!(desk.cost("scout", 1_000), Some(ValueCost { takes_ms: None, ..cost }));
+        assert_eq!(broker.cost("scout", 1_000), Some(cost));
+        broker.set_link("scout", LinkRate { spare_per_s: None, ..rate });
+        assert_eq!(broker.cost("scout", 1_000), Some(ValueCost { takes_ms: None, ..cost }));
     }
 
     #[test]
     fn requests_are_for_one_robot_each_and_taken_once() {
-        let desk = desk();
+        let broker = broker();
         let rate = LinkRate { part: 100, overhead: 20, spare_per_s: None };
         for robot in ["scout", "mule"] {
-            desk.set_link(robot, rate);
+            broker.set_link(robot, rate);
         }
         let key = || ("run".to_owned(), 7);
-        assert!(desk.fetch("scout", key(), 1_000, 1_250));
-        assert_eq!(desk.progress("run", 7).map(|fetch| fetch.budget), Some(1_250));
-        assert!(desk.take("mule").is_empty());
+        assert!(broker.fetch("scout", key(), 1_000, 1_250));
+        assert_eq!(broker.progress("run", 7).map(|fetch| fetch.budget), Some(1_250));
+        assert!(broker.take("mule").is_empty());
         let request = |budget| Request { robot: "scout".to_owned(), key: key(), budget };
-        assert_eq!(desk.take("scout"), [request(Some(1_250))]);
-        desk.cancel("scout", key());
-        assert_eq!(desk.progress("run", 7), None);
-        assert_eq!(desk.take("scout"), [request(None)]);
+        assert_eq!(broker.take("scout"), [request(Some(1_250))]);
+        broker.cancel("scout", key());
+        assert_eq!(broker.progress("run", 7), None);
+        assert_eq!(broker.take("scout"), [request(None)]);
     }
 
     fn key(number: usize) -> (String, u64) {
@@ -161,19 +163,19 @@ mod tests {
 
     #[test]
     fn so_many_requests_wait_and_none_that_ends_a_fetch_is_lost() {
-        let desk = desk();
-        desk.set_link("scout", LinkRate { part: 100, overhead: 20, spare_per_s: None });
-        let fetch = |number| desk.fetch("scout", key(number), 1_000, 1_250);
+        let broker = broker();
+        broker.set_link("scout", LinkRate { part: 100, overhead: 20, spare_per_s: None });
+        let fetch = |number| broker.fetch("scout", key(number), 1_000, 1_250);
         assert!((0..REQUESTS_MAX).all(fetch));
-        let before = desk.take("scout");
+        let before = broker.take("scout");
         assert!((0..REQUESTS_MAX).all(|number| fetch(REQUESTS_MAX + number)));
         assert!(!fetch(9_999));
-        assert_eq!(desk.progress("run", 9_999), None);
+        assert_eq!(broker.progress("run", 9_999), None);
         // One that the station has, and one that it has not: both are given up.
-        desk.cancel("scout", key(0));
-        desk.cancel("scout", key(REQUESTS_MAX));
+        broker.cancel("scout", key(0));
+        broker.cancel("scout", key(REQUESTS_MAX));
         let ended = |number| Request { robot: "scout".to_owned(), key: key(number), budget: None };
-        let requests = desk.take("scout");
+        let requests = broker.take("scout");
         assert_eq!((before.len(), requests.len()), (REQUESTS_MAX, REQUESTS_MAX + 1));
         assert_eq!(requests[REQUESTS_MAX - 1..], [ended(0), ended(REQUESTS_MAX)]);
         assert!(fetch(9_999));
@@ -181,19 +183,19 @@ mod tests {
 
     #[test]
     fn of_many_failed_fetches_the_last_is_told_and_those_under_way_stay() {
-        let desk = desk();
+        let broker = broker();
         let progress = |failed: Option<&str>| ValueFetch {
             here: 1,
             budget: 2,
             failed: failed.map(str::to_owned),
         };
-        desk.set_progress(&key(0), progress(None));
+        broker.set_progress(&key(0), progress(None));
         for number in 1..ENDED_MAX {
-            desk.set_progress(&key(number), progress(Some("gone")));
+            broker.set_progress(&key(number), progress(Some("gone")));
         }
-        assert!(desk.progress("run", 1).is_some());
-        desk.set_progress(&key(ENDED_MAX), progress(Some("stuck")));
-        let known = [0, 1, ENDED_MAX].map(|number| desk.progress("run", number as u64));
+        assert!(broker.progress("run", 1).is_some());
+        broker.set_progress(&key(ENDED_MAX), progress(Some("stuck")));
+        let known = [0, 1, ENDED_MAX].map(|number| broker.progress("run", number as u64));
         assert_eq!(known, [Some(progress(None)), None, Some(progress(Some("stuck")))]);
     }
 }

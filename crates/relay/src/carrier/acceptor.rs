@@ -18,7 +18,7 @@ use std::time::Duration;
 use tungstenite::accept_with_config;
 
 /// Limit of connections.
-const GUESTS_MAX: usize = 64;
+const CONNECTIONS_MAX: usize = 64;
 /// Silence after which the connection of a robot loses its priority. It may have died without a notice.
 const LATELY: Duration = Duration::from_mins(5);
 /// The first byte of a client that speaks TLS.
@@ -31,23 +31,24 @@ pub trait Secure: fmt::Debug + Send + Sync {
 }
 
 /// Lets robots in until it is stopped. What arrives is delivered.
-pub(crate) fn open_door(
+pub(crate) fn accept_connections(
     listener: TcpListener,
     tls: Option<Arc<dyn Secure>>,
     deliver: Deliver,
     stopper: &Stopper,
 ) -> io::Result<()> {
     listener.set_nonblocking(true)?;
-    let door = Door { tls, deliver, clock: SessionClock::begin(), guests: Mutex::default() };
-    let (door, stopped) = (Arc::new(door), stopper.clone());
+    let acceptor =
+        Acceptor { tls, deliver, clock: SessionClock::begin(), connections: Mutex::default() };
+    let (acceptor, stopped) = (Arc::new(acceptor), stopper.clone());
     let accept = move || {
         while !stopped.is_stopped() {
             if let Some(stream) = accept(&listener) {
                 // A refused peer dials again.
-                drop(door.let_in(stream));
+                drop(acceptor.add(stream));
             }
         }
-        door.guests.lock().iter().for_each(|guest| guest.close());
+        acceptor.connections.lock().iter().for_each(|connection| connection.close());
     };
     stopper.spawn("door", accept)
 }
@@ -68,53 +69,53 @@ fn accept(listener: &TcpListener) -> Option<TcpStream> {
     }
 }
 
-struct Door {
+struct Acceptor {
     tls: Option<Arc<dyn Secure>>,
     deliver: Deliver,
     clock: SessionClock,
-    guests: Mutex<Vec<Arc<Connection>>>,
+    connections: Mutex<Vec<Arc<Connection>>>,
 }
 
-impl Door {
-    fn let_in(self: &Arc<Self>, stream: TcpStream) -> io::Result<()> {
-        let guest = Connection::new(&stream, self.clock)?;
+impl Acceptor {
+    fn add(self: &Arc<Self>, stream: TcpStream) -> io::Result<()> {
+        let connection = Connection::new(&stream, self.clock)?;
         self.make_room();
-        self.guests.lock().push(Arc::clone(&guest));
-        let (door, connection) = (Arc::clone(self), Arc::clone(&guest));
-        let meet = move || {
-            drop(door.meet(stream, &connection));
-            connection.close();
+        self.connections.lock().push(Arc::clone(&connection));
+        let (acceptor, served) = (Arc::clone(self), Arc::clone(&connection));
+        let serve = move || {
+            drop(acceptor.serve(stream, &served));
+            served.close();
         };
-        let met = thread::Builder::new().name("websocket".to_owned()).spawn(meet);
-        met.map(drop).inspect_err(|_| guest.close())
+        let begun = thread::Builder::new().name("websocket".to_owned()).spawn(serve);
+        begun.map(drop).inspect_err(|_| connection.close())
     }
 
     /// Connections without a recent datagram of a robot are closed first: the oldest one of the address with most of them, so
     /// that repeated connections replace only their own.
     fn make_room(&self) {
-        let mut guests = self.guests.lock();
-        guests.retain(|guest| !guest.is_closed());
+        let mut connections = self.connections.lock();
+        connections.retain(|connection| !connection.is_closed());
         let now = self.clock.now();
-        while guests.len() >= GUESTS_MAX {
-            let is_heard = |guest: &Connection| {
-                guest.heard().is_some_and(|at| now.saturating_sub(at) < LATELY)
+        while connections.len() >= CONNECTIONS_MAX {
+            let is_heard = |connection: &Connection| {
+                connection.heard().is_some_and(|at| now.saturating_sub(at) < LATELY)
             };
             let mut unheard: BTreeMap<Option<IpAddr>, usize> = BTreeMap::new();
-            for guest in guests.iter().filter(|guest| !is_heard(guest)) {
-                *unheard.entry(guest.address()).or_default() += 1;
+            for connection in connections.iter().filter(|connection| !is_heard(connection)) {
+                *unheard.entry(connection.address()).or_default() += 1;
             }
             let worth = |at: &usize| {
-                let guest = &guests[*at];
-                let of_its_address = unheard.get(&guest.address()).copied();
-                (is_heard(guest), Reverse(of_its_address), guest.silent_since())
+                let connection = &connections[*at];
+                let of_its_address = unheard.get(&connection.address()).copied();
+                (is_heard(connection), Reverse(of_its_address), connection.silent_since())
             };
-            let Some(least) = (0..guests.len()).min_by_key(worth) else { return };
-            guests.swap_remove(least).close();
+            let Some(least) = (0..connections.len()).min_by_key(worth) else { return };
+            connections.swap_remove(least).close();
         }
     }
 
     /// Speaks with one who came until they go.
-    fn meet(&self, stream: TcpStream, guest: &Arc<Connection>) -> io::Result<()> {
+    fn serve(&self, stream: TcpStream, connection: &Arc<Connection>) -> io::Result<()> {
         let mut first = [0];
         stream.peek(&mut first)?;
         let stream: Box<dyn ByteStream> = match &self.tls {
@@ -123,65 +124,69 @@ impl Door {
         };
         let socket = accept_with_config(stream, Some(websocket_config()));
         let socket = socket.map_err(|error| io::Error::other(error.to_string()))?;
-        carry(socket, guest, &self.deliver);
+        carry(socket, connection, &self.deliver);
         Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Connection, Door, GUESTS_MAX};
+    use super::{Acceptor, CONNECTIONS_MAX, Connection};
     use crate::clock::SessionClock;
     use parking_lot::Mutex;
     use socket2::{Domain, Socket, Type};
     use std::net::{SocketAddr, TcpListener};
     use std::sync::Arc;
 
-    /// A door, and what lets someone in who comes from this address.
-    fn door() -> (Arc<Door>, impl FnMut([u8; 4])) {
+    /// An acceptor, and a function that connects from an address.
+    fn acceptor() -> (Arc<Acceptor>, impl FnMut([u8; 4])) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let address = listener.local_addr().unwrap();
-        let door = Arc::new(Door {
+        let acceptor = Arc::new(Acceptor {
             tls: None,
             deliver: Arc::new(|_, _| {}),
             clock: SessionClock::begin(),
-            guests: Mutex::default(),
+            connections: Mutex::default(),
         });
         let mut open = Vec::new();
-        let inside = Arc::clone(&door);
+        let inside = Arc::clone(&acceptor);
         let come = move |from: [u8; 4]| {
             let stream = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
             stream.bind(&SocketAddr::from((from, 0)).into()).unwrap();
             stream.connect(&address.into()).unwrap();
             open.push(stream);
-            inside.let_in(listener.accept().unwrap().0).unwrap();
+            inside.add(listener.accept().unwrap().0).unwrap();
         };
-        (door, come)
+        (acceptor, come)
     }
 
-    /// The places of those among the guests that had to go.
-    fn closed(guests: &[Arc<Connection>]) -> Vec<usize> {
-        let closed = guests.iter().enumerate().filter(|(_, guest)| guest.is_closed());
+    /// Positions of the closed connections.
+    fn closed(connections: &[Arc<Connection>]) -> Vec<usize> {
+        let closed =
+            connections.iter().enumerate().filter(|(_, connection)| connection.is_closed());
         closed.map(|(at, _)| at).collect()
     }
 
     #[test]
     fn who_has_proved_nothing_makes_room() {
-        let (door, mut come) = door();
-        (0..GUESTS_MAX).for_each(|_| come([127, 0, 0, 1]));
-        let guests = door.guests.lock().clone();
-        guests[0].note_heard();
+        let (acceptor, mut come) = acceptor();
+        (0..CONNECTIONS_MAX).for_each(|_| come([127, 0, 0, 1]));
+        let connections = acceptor.connections.lock().clone();
+        connections[0].note_heard();
         come([127, 0, 0, 1]);
-        assert_eq!((closed(&guests), door.guests.lock().len()), (vec![1], GUESTS_MAX));
+        assert_eq!(
+            (closed(&connections), acceptor.connections.lock().len()),
+            (vec![1], CONNECTIONS_MAX)
+        );
     }
 
     #[test]
     fn who_comes_a_thousand_times_drives_out_no_robot_that_has_just_come() {
-        let (door, mut come) = door();
+        let (acceptor, mut come) = acceptor();
         come([127, 0, 0, 2]);
-        let robot = Arc::clone(&door.guests.lock()[0]);
+        let robot = Arc::clone(&acceptor.connections.lock()[0]);
         (0..1_000).for_each(|_| come([127, 0, 0, 1]));
         assert!(!robot.is_closed());
-        assert_eq!(door.guests.lock().len(), GUESTS_MAX);
+        assert_eq!(acceptor.connections.lock().len(), CONNECTIONS_MAX);
     }
 }

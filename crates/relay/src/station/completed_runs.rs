@@ -9,13 +9,13 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-const HAD_FILE: &str = "had";
+const COMPLETED_FILE: &str = "had";
 /// Capacity. Beyond it, the older half is dropped at the next start: a robot that still has such a run sends it again.
-const HAD_MAX: usize = 1 << 19;
+const COMPLETED_MAX: usize = 1 << 19;
 
 /// A completed run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct HadRun {
+pub(super) struct CompletedRun {
     pub(super) events: u64,
     pub(super) parts: u64,
     check: u32,
@@ -27,18 +27,18 @@ pub(super) struct HadRun {
 #[derive(Debug)]
 pub(super) struct CompletedRuns {
     path: PathBuf,
-    runs: BTreeMap<StreamId, HadRun>,
+    runs: BTreeMap<StreamId, CompletedRun>,
     length: u64,
 }
 
 impl CompletedRuns {
     /// Those that are listed in this folder.
     pub(super) fn read(folder: &Path) -> Self {
-        Self::read_at_most(folder, HAD_MAX)
+        Self::read_at_most(folder, COMPLETED_MAX)
     }
 
     fn read_at_most(folder: &Path, most: usize) -> Self {
-        let path = folder.join(HAD_FILE);
+        let path = folder.join(COMPLETED_FILE);
         // A run without an entry is fetched again.
         let mut text = fs::read_to_string(&path).unwrap_or_default();
         let lines = text.lines().count();
@@ -58,18 +58,18 @@ impl CompletedRuns {
     }
 
     /// All of them.
-    pub(super) fn runs(&self) -> impl Iterator<Item = (StreamId, HadRun)> {
+    pub(super) fn runs(&self) -> impl Iterator<Item = (StreamId, CompletedRun)> {
         self.runs.iter().map(|(stream, run)| (*stream, *run))
     }
 
     /// The run with this id, and its stream.
-    pub(super) fn find(&self, id: &str) -> Option<(StreamId, HadRun)> {
+    pub(super) fn find(&self, id: &str) -> Option<(StreamId, CompletedRun)> {
         let check = ids::check_of(id);
         let found = |stream| Some((stream, *self.runs.get(&stream)?));
         ids::streams_of(id).filter_map(found).find(|(_, run)| run.check == check)
     }
 
-    pub(super) fn get(&self, stream: StreamId) -> Option<HadRun> {
+    pub(super) fn get(&self, stream: StreamId) -> Option<CompletedRun> {
         self.runs.get(&stream).copied()
     }
 
@@ -86,7 +86,7 @@ impl CompletedRuns {
 
     /// A run is here as a whole.
     pub(super) fn add(&mut self, id: &str, stream: StreamId, (events, parts): (u64, u64)) {
-        let is_known = |run: &HadRun| (run.events, run.parts) == (events, parts);
+        let is_known = |run: &CompletedRun| (run.events, run.parts) == (events, parts);
         if self.find(id).is_some_and(|(_, run)| is_known(&run)) {
             return;
         }
@@ -131,13 +131,13 @@ impl<'t> Entry<'t> {
     }
 
     /// A run without events may be fetched again.
-    fn insert(&self, offset: u64, runs: &mut BTreeMap<StreamId, HadRun>) {
+    fn insert(&self, offset: u64, runs: &mut BTreeMap<StreamId, CompletedRun>) {
         let Some(stream) = ids::streams_of(self.id).nth(self.nth) else { return };
         let (Self { events, parts, .. }, check) = (*self, ids::check_of(self.id));
         if events == 0 {
             runs.remove(&stream);
         } else {
-            runs.insert(stream, HadRun { events, parts, check, offset });
+            runs.insert(stream, CompletedRun { events, parts, check, offset });
         }
     }
 }
@@ -151,43 +151,44 @@ mod tests {
     #[test]
     fn what_was_here_is_known_after_a_restart() {
         let folder = tempfile::tempdir().unwrap();
-        let mut had = CompletedRuns::read(folder.path());
+        let mut completed = CompletedRuns::read(folder.path());
         let (first, second) = ("20260101-000000-a-0001", "a run with spaces");
-        had.add(first, ids::events_of(first), (7, 2));
-        had.add(first, ids::events_of(first), (7, 2));
+        completed.add(first, ids::events_of(first), (7, 2));
+        completed.add(first, ids::events_of(first), (7, 2));
         // Another run of the robot has its first number.
         let other = ids::streams_of(second).nth(1).unwrap();
-        had.add(second, other, (9, 1));
-        let is_right = |had: &CompletedRuns| {
-            let counts = |id| had.find(id).map(|(stream, run)| (stream, run.events, run.parts));
+        completed.add(second, other, (9, 1));
+        let is_right = |completed: &CompletedRuns| {
+            let counts =
+                |id| completed.find(id).map(|(stream, run)| (stream, run.events, run.parts));
             assert_eq!(counts(first), Some((ids::events_of(first), 7, 2)));
             assert_eq!(counts(second), Some((other, 9, 1)));
-            assert_eq!(had.id_of(other).as_deref(), Some(second));
-            assert_eq!((had.runs().count(), had.find("c").is_none()), (2, true));
+            assert_eq!(completed.id_of(other).as_deref(), Some(second));
+            assert_eq!((completed.runs().count(), completed.find("c").is_none()), (2, true));
         };
-        is_right(&had);
-        let mut had = CompletedRuns::read(folder.path());
-        is_right(&had);
-        had.add(first, ids::events_of(first), (0, 0));
-        assert!(had.find(first).is_none());
+        is_right(&completed);
+        let mut completed = CompletedRuns::read(folder.path());
+        is_right(&completed);
+        completed.add(first, ids::events_of(first), (0, 0));
+        assert!(completed.find(first).is_none());
         assert!(CompletedRuns::read(folder.path()).find(first).is_none());
         fs::write(folder.path().join("had"), "x y\n3\n\n1 1 b\n").unwrap();
-        let had = CompletedRuns::read(folder.path());
-        assert_eq!(had.id_of(ids::events_of("b")).as_deref(), Some("b"));
+        let completed = CompletedRuns::read(folder.path());
+        assert_eq!(completed.id_of(ids::events_of("b")).as_deref(), Some("b"));
     }
 
     #[test]
     fn of_more_runs_than_the_file_may_list_the_newer_half_is_kept() {
         let folder = tempfile::tempdir().unwrap();
-        let mut had = CompletedRuns::read(folder.path());
+        let mut completed = CompletedRuns::read(folder.path());
         for number in 0..9 {
             let id = format!("run-{number}");
-            had.add(&id, ids::events_of(&id), (4, 1));
+            completed.add(&id, ids::events_of(&id), (4, 1));
         }
-        let had = CompletedRuns::read_at_most(folder.path(), 8);
-        let known = |number: u32| had.find(&format!("run-{number}")).is_some();
+        let completed = CompletedRuns::read_at_most(folder.path(), 8);
+        let known = |number: u32| completed.find(&format!("run-{number}")).is_some();
         assert_eq!((0..9).filter(|number| known(*number)).collect::<Vec<_>>(), [5, 6, 7, 8]);
-        assert_eq!(had.id_of(ids::events_of("run-7")).as_deref(), Some("run-7"));
+        assert_eq!(completed.id_of(ids::events_of("run-7")).as_deref(), Some("run-7"));
         assert_eq!(CompletedRuns::read(folder.path()).runs().count(), 4);
     }
 }
