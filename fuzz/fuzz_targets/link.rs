@@ -41,7 +41,7 @@ fuzz_target!(|bytes: &[u8]| {
     station.watch(StreamId(1), 1, b"the arm".to_vec()).expect("a short list");
     let value = ValueName { stream: StreamId(1), number: 1, id: ValueId([4; 16]) };
     station.fetch(value, 20_000, RangeSet::default(), 40_000);
-    let sealer = |direction| Sealer::new((id, &key), robot, direction, SenderStart::new(2, 0));
+    let sealer = |direction| Sealer::new(id, &key, robot, direction, SenderStart::new(2, 0));
     let (mut down, mut up) = (sealer(Direction::Down), sealer(Direction::Up));
     let (mut now, mut rest) = (Duration::ZERO, bytes);
     while let [how, length, after @ ..] = rest {

@@ -96,8 +96,8 @@ impl Endpoint {
             pacer: Pacer::new(bits_per_s),
             path: PathSize::new(datagram_max),
             heard: Heard::default(),
-            sealer: Sealer::new((key_id, key), robot, sends, start),
-            opener: Opener::new((key_id, key), robot, receives, heard),
+            sealer: Sealer::new(key_id, key, robot, sends, start),
+            opener: Opener::new(key_id, key, robot, receives, heard),
             sent: Traffic::default(),
             received: Traffic::default(),
         }
@@ -116,8 +116,8 @@ impl Endpoint {
     /// From now on, what is sealed with this key is opened, too.
     pub(crate) fn add_key(&mut self, id: KeyId, key: &PairingKey) {
         let (robot, sends) = &self.way;
-        let sealer = Sealer::new((id, key), robot, *sends, self.start);
-        let opener = Opener::new((id, key), robot, sends.back(), None);
+        let sealer = Sealer::new(id, key, robot, *sends, self.start);
+        let opener = Opener::new(id, key, robot, sends.back(), None);
         self.others.retain(|other| other.id != id);
         self.others.push(OtherKey { id, sealer, opener });
     }

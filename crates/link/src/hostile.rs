@@ -74,14 +74,14 @@ fn sessions() -> (RobotSession, StationSession) {
 }
 
 fn sealer(direction: Direction) -> Sealer {
-    Sealer::new((ID, &key()), "scout", direction, SenderStart::new(2, 0))
+    Sealer::new(ID, &key(), "scout", direction, SenderStart::new(2, 0))
 }
 
 /// The payloads of ten seconds of a robot and its station, in both directions.
 static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
     let (mut robot, mut station) = sessions();
     let openers = [Direction::Down, Direction::Up];
-    let mut openers = openers.map(|direction| Opener::new((ID, &key()), "scout", direction, None));
+    let mut openers = openers.map(|direction| Opener::new(ID, &key(), "scout", direction, None));
     let mut payloads = [Vec::new(), Vec::new()];
     for step in 0..1_000_u64 {
         let now = Duration::from_millis(10 * step);

@@ -221,7 +221,7 @@ fn a_settled_stream_goes_on_and_is_reported_when_the_robot_asks() {
 fn full() -> (StationSession, Sealer) {
     let key = PairingKey::from_bytes([7; 32]);
     let mut station = StationSession::new(&identity(&key, 1), Profile::LAN);
-    let mut robot = Sealer::new((KeyId(1), &key), "scout", Direction::Down, SenderStart::new(1, 0));
+    let mut robot = Sealer::new(KeyId(1), &key, "scout", Direction::Down, SenderStart::new(1, 0));
     for run in (0..).take(OPEN_MAX) {
         name(&mut station, &mut robot, Duration::ZERO, run);
     }

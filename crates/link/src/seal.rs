@@ -254,7 +254,8 @@ impl Header {
 impl Sealer {
     /// For what the robot of this name sends (`Down`), or is sent (`Up`). The generation has to be on disk already.
     pub fn new(
-        (key_id, key): (KeyId, &PairingKey),
+        key_id: KeyId,
+        key: &PairingKey,
         robot: &str,
         direction: Direction,
         start: SenderStart,
@@ -347,7 +348,8 @@ impl Opener {
     /// Opens datagrams from the robot of this name (`Down`) or to it (`Up`). `heard` is the last datagram before this start, if
     /// known.
     pub fn new(
-        (key_id, key): (KeyId, &PairingKey),
+        key_id: KeyId,
+        key: &PairingKey,
         robot: &str,
         direction: Direction,
         heard: Option<Horizon>,

@@ -50,7 +50,8 @@ impl LinkMeter {
     pub(crate) fn health(
         &mut self,
         now: Duration,
-        (sent, received): (&Traffic, &Traffic),
+        sent: &Traffic,
+        received: &Traffic,
         heard_before: Option<Duration>,
     ) -> LinkHealth {
         let (down, up) = if self.is_station { (received, sent) } else { (sent, received) };
@@ -79,7 +80,8 @@ impl LinkMeter {
     pub(crate) fn report(
         &self,
         health: LinkHealth,
-        (sent, received): (&Traffic, &Traffic),
+        sent: &Traffic,
+        received: &Traffic,
         runs: Vec<LinkRun>,
     ) -> LinkReport {
         let missing = runs.iter().map(|run| run.missing).sum();
@@ -157,7 +159,7 @@ mod tests {
             let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, is_station);
             let (sent, received) = (Traffic::default(), Traffic::default());
             let before = Some(Duration::from_millis(before));
-            meter.health(Duration::ZERO, (&sent, &received), before).is_heard
+            meter.health(Duration::ZERO, &sent, &received, before).is_heard
         };
         assert_eq!([3_999, 4_000].map(|before| is_heard(true, before)), [true, false]);
         assert_eq!([6_999, 7_000].map(|before| is_heard(false, before)), [true, false]);
@@ -169,7 +171,7 @@ mod tests {
         let pairing = Pairing { rights: PairingRights::Observe, ..pairing };
         let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, true);
         let nothing = Traffic::default();
-        let health = meter.health(Duration::ZERO, (&nothing, &nothing), None);
+        let health = meter.health(Duration::ZERO, &nothing, &nothing, None);
         assert_eq!(health.rights, Some(LinkRights::Observe));
     }
 }

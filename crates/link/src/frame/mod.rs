@@ -260,7 +260,7 @@ impl<'b> Frame<'b> {
             Self::Coded { context, length, events } => {
                 let Events { stream, first, count, t_before, items } = events;
                 let of = [u64::from(stream.0), *first, *count, *t_before, u64::from(*length)];
-                write_coded((CODED, *context), &of, items, out);
+                write_coded(CODED, *context, &of, items, out);
             }
             Self::Status { stream, head, is_over, state, chain } => {
                 numbers(STATUS, &[u64::from(stream.0), *head, u64::from(*is_over)]);
@@ -277,7 +277,7 @@ impl<'b> Frame<'b> {
             }
             Self::CodedSnapshot { context, stream, sequence, length, bytes } => {
                 let of = [u64::from(stream.0), *sequence, u64::from(*length)];
-                write_coded((CODED_SNAPSHOT, *context), &of, bytes, out);
+                write_coded(CODED_SNAPSHOT, *context, &of, bytes, out);
             }
             Self::Large { stream, first, t_before, packing, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
@@ -374,7 +374,7 @@ impl<'b> Frame<'b> {
     }
 }
 
-fn write_coded((kind, context): (u8, ContextId), numbers: &[u64], coded: &[u8], out: &mut Vec<u8>) {
+fn write_coded(kind: u8, context: ContextId, numbers: &[u64], coded: &[u8], out: &mut Vec<u8>) {
     out.push(kind);
     out.extend_from_slice(&context.0);
     for number in numbers {

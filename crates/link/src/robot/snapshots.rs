@@ -5,7 +5,7 @@ use super::outgoing::{TransmitContext, next_part, small};
 use super::source::RunSource;
 use super::tail::Tail;
 use crate::assembly::LENGTH_MAX;
-use crate::coding::{ContextId, ContextName, SentSnapshots};
+use crate::coding::{ContextName, SentSnapshots};
 use crate::deflate::deflate;
 use crate::frame::{Frame, StreamId};
 use crate::profile::Profile;
@@ -131,8 +131,12 @@ impl Snapshots {
             if let Some((context, coded)) = coded
                 && coded.len() < room / 2
             {
-                let coded = (context, coded.as_slice());
-                return self.write_coded((run, sequence), plain, coded, (turn, payload));
+                let (length, bytes) = (small(plain.len()), coded.as_slice());
+                let frame = Frame::CodedSnapshot { context, stream: run, sequence, length, bytes };
+                if self.write_coded(&frame, turn, payload) {
+                    self.sent.note(sequence, plain);
+                }
+                return;
             }
             self.need = Need::None;
             let deflated = deflate(&plain);
@@ -142,22 +146,21 @@ impl Snapshots {
         self.write_part(run, tail, turn, payload);
     }
 
+    /// Returns false if the frame does not fit: it fits into the next datagram.
     fn write_coded(
         &mut self,
-        (stream, sequence): (StreamId, u64),
-        plain: Vec<u8>,
-        (context, coded): (ContextId, &[u8]),
-        (turn, payload): (TransmitContext<'_>, &mut Vec<u8>),
-    ) {
-        let (length, before) = (small(plain.len()), payload.len());
-        Frame::CodedSnapshot { context, stream, sequence, length, bytes: coded }.write(payload);
+        frame: &Frame<'_>,
+        turn: TransmitContext<'_>,
+        payload: &mut Vec<u8>,
+    ) -> bool {
+        let before = payload.len();
+        frame.write(payload);
         if payload.len() > turn.room {
-            // It fits into the next datagram.
             payload.truncate(before);
-            return;
+            return false;
         }
         (self.need, self.parts, self.begun_at) = (Need::None, None, Some(turn.now));
-        self.sent.note(sequence, plain);
+        true
     }
 
     fn write_part(

@@ -99,7 +99,7 @@ impl Values {
             while sending.has_next() {
                 let left = turn.room.saturating_sub(payload.len());
                 let Some(room) = left.checked_sub(ValuePart::HEAD_MAX + PART_MIN) else { return };
-                sending.write_next(turn.now, source, (room + PART_MIN, payload));
+                sending.write_next(turn.now, source, room + PART_MIN, payload);
             }
         }
     }
@@ -148,7 +148,8 @@ impl Sending {
         &mut self,
         now: Duration,
         source: &mut impl RunSource,
-        (bytes_max, payload): (usize, &mut Vec<u8>),
+        bytes_max: usize,
+        payload: &mut Vec<u8>,
     ) {
         let id = self.value.id;
         let mut refuse = |why, payload: &mut Vec<u8>| {

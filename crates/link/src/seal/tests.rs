@@ -16,11 +16,11 @@ fn key() -> PairingKey {
 }
 
 fn sealer(generation: u32) -> Sealer {
-    Sealer::new((ID, &key()), "rover", Direction::Down, SenderStart::new(generation, 0x5a17))
+    Sealer::new(ID, &key(), "rover", Direction::Down, SenderStart::new(generation, 0x5a17))
 }
 
 fn opener(heard: Option<Horizon>) -> Opener {
-    Opener::new((ID, &key()), "rover", Direction::Down, heard)
+    Opener::new(ID, &key(), "rover", Direction::Down, heard)
 }
 
 fn sealed(sealer: &mut Sealer, payload: &[u8]) -> Vec<u8> {
@@ -89,7 +89,7 @@ fn a_sender_that_starts_again_is_heard_at_once_and_its_past_no_more() {
 #[test]
 fn two_copies_of_a_sender_share_no_key_and_only_the_first_is_heard() {
     let start = |salt| SenderStart::new(7, salt);
-    let copy = |salt| Sealer::new((ID, &key()), "rover", Direction::Down, start(salt));
+    let copy = |salt| Sealer::new(ID, &key(), "rover", Direction::Down, start(salt));
     let (mut first, mut second) = (copy(1), copy(2));
     let [ours, theirs] = [&mut first, &mut second].map(|sealer| sealed(sealer, b"the same"));
     let stream = |datagram: &[u8]| datagram[SALTED_HEADER..].to_vec();
@@ -125,10 +125,10 @@ fn what_the_other_side_has_not_made_is_rejected() {
     let datagram = sealed(&mut sealer(1), b"stop");
     let other = PairingKey::from_bytes([9; 32]);
     let openers = [
-        Opener::new((ID, &other), "rover", Direction::Down, None),
-        Opener::new((ID, &key()), "rover 2", Direction::Down, None),
-        Opener::new((ID, &key()), "rover", Direction::Up, None),
-        Opener::new((KeyId(2), &key()), "rover", Direction::Down, None),
+        Opener::new(ID, &other, "rover", Direction::Down, None),
+        Opener::new(ID, &key(), "rover 2", Direction::Down, None),
+        Opener::new(ID, &key(), "rover", Direction::Up, None),
+        Opener::new(KeyId(2), &key(), "rover", Direction::Down, None),
     ];
     let mut told: Vec<String> =
         openers.into_iter().map(|mut opener| open(&mut opener, &datagram)).collect();
@@ -306,7 +306,7 @@ proptest! {
 fn numbers_continue_over_a_change_of_keys_and_what_was_confirmed_before_does_not_count() {
     let sealer = |id, byte| {
         let key = PairingKey::from_bytes([byte; 32]);
-        Sealer::new((KeyId(id), &key), "scout", Direction::Down, SenderStart::new(1, 0))
+        Sealer::new(KeyId(id), &key, "scout", Direction::Down, SenderStart::new(1, 0))
     };
     let seal = |sealer: &mut Sealer| {
         let mut datagram = Vec::new();

@@ -406,14 +406,15 @@ impl StationSession {
         }
         self.clock.receive(generation, at_ms, now_ms(now));
         for frame in frames {
-            self.take((now, at_ms), &frame?, &mut show);
+            self.take(now, at_ms, &frame?, &mut show);
         }
         Ok(())
     }
 
     fn take(
         &mut self,
-        (now, at_ms): (Duration, u64),
+        now: Duration,
+        at_ms: u64,
         frame: &Frame<'_>,
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
@@ -774,7 +775,7 @@ impl StationSession {
             self.value_requests.write_fetches(room, &mut payload);
         }
         if is_free {
-            self.value_requests.write_watches(now, self.answer_time(), (room, &mut payload));
+            self.value_requests.write_watches(now, self.answer_time(), room, &mut payload);
             // Nothing else waits for the parts of a long command.
             self.commands.write_parts(now, self.answer_time(), room, &mut payload);
         }

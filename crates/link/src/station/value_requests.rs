@@ -157,7 +157,8 @@ impl ValueRequests {
         &mut self,
         now: Duration,
         answer: Duration,
-        (room, payload): (usize, &mut Vec<u8>),
+        room: usize,
+        payload: &mut Vec<u8>,
     ) {
         for (stream, watch) in &mut self.watches {
             if watch.is_confirmed || watch.due > now {

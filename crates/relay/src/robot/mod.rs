@@ -267,8 +267,9 @@ impl RobotRelay<'_> {
     /// State of the link.
     fn report(&mut self, now: Duration) -> LinkReport {
         let Self { session, meter, runs, .. } = self;
-        let health = meter.health(now, session.traffic(), session.heard_before(now));
-        let report = meter.report(health, session.traffic(), runs.progress(session));
+        let (sent, received) = session.traffic();
+        let health = meter.health(now, sent, received, session.heard_before(now));
+        let report = meter.report(health, sent, received, runs.progress(session));
         let waits = self
             .offered
             .as_ref()
@@ -363,9 +364,12 @@ impl RobotRelay<'_> {
             _ if is_late => {
                 Ok(late_fate.flatten().unwrap_or((CommandState::Started, String::new())))
             }
-            Ok((stream, word)) => self
-                .handle(now, (stream, word), (epoch, not_after_ms))
-                .map(|state| (state, String::new())),
+            Ok((stream, word)) => {
+                let left_ms = not_after_ms.saturating_sub(millis(now));
+                let expiry_ms = clock::since_1970_ms().saturating_add(left_ms);
+                let state = self.handle(stream, word, epoch, expiry_ms);
+                state.map(|state| (state, String::new()))
+            }
             Err(error) => Err(format!("the robot's server does not understand it: {error}")),
         };
         let (state, text) = done.unwrap_or_else(|reason| (CommandState::Refused, reason));
@@ -406,21 +410,20 @@ impl RobotRelay<'_> {
 
     fn handle(
         &mut self,
-        now: Duration,
-        (stream, word): (StreamId, StationRequest),
-        (epoch, not_after_ms): (u64, u64),
+        stream: StreamId,
+        request: StationRequest,
+        epoch: u64,
+        expiry_ms: u64,
     ) -> Result<CommandState, String> {
         let authority = Arc::clone(&self.settings.authority);
         let Pairing { rights, .. } = self.settings.paired.pairing;
         let station = self.settings.paired.pairing.station_name();
-        let run = match &word {
+        let run = match &request {
             StationRequest::Resume(_, _, run, ..) => run.clone(),
             StationRequest::Start(..) => String::new(),
             _ => self.runs.name(stream).ok_or("the robot has no such run")?.to_owned(),
         };
-        let left_ms = not_after_ms.saturating_sub(millis(now));
-        let expiry_ms = clock::since_1970_ms().saturating_add(left_ms);
-        match word {
+        match request {
             StationRequest::Command(id, author, decided_on, command) => {
                 rights.check(&command, authority.right_of(&command))?;
                 let author = author_at_robot(&author, station);

@@ -38,7 +38,8 @@ impl RobotValues {
         &mut self,
         folder: &Path,
         name: &ValueName,
-        (offset, bytes_max): (u64, usize),
+        offset: u64,
+        bytes_max: usize,
     ) -> Option<Vec<u8>> {
         self.length(folder, name)?;
         self.open.get(name)?.read(offset, bytes_max).ok()
@@ -75,7 +76,7 @@ mod tests {
         for number in (1..=count).chain([1]) {
             let id = ids::value_id(ContentHash::of(&pickle(number)));
             let name = ValueName { stream: StreamId(1), number, id };
-            assert_eq!(values.bytes(&run, &name, (0, 99)), Some(pickle(number)));
+            assert_eq!(values.bytes(&run, &name, 0, 99), Some(pickle(number)));
             assert!(values.open.len() <= OPEN_MAX, "{}", values.open.len());
         }
         assert_eq!(values.open.len(), OPEN_MAX);

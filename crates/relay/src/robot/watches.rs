@@ -176,7 +176,7 @@ impl RobotWatches {
             let next = u32::try_from(run.found.len()).unwrap_or(u32::MAX);
             let key = known.map_or(next, |found| found.key);
             let priority = priority(&run.targets, &place);
-            let value = watched(reader, &place, (order, t_ns), &kept)?;
+            let value = watched(reader, &place, order, t_ns, &kept)?;
             run.found.insert(place, Found { key, order, kept });
             if let Some(bytes) = watch_words::value(&value) {
                 session.set_watched(stream, key, NewestValue { priority, sequence: order, bytes });
@@ -236,7 +236,8 @@ fn priority(targets: &[WatchTarget], (kind, path, name): &ValuePlace) -> u8 {
 fn watched(
     reader: &mut Reader,
     (kind, path, name): &ValuePlace,
-    (sequence, t_ns): (u64, Option<u64>),
+    sequence: u64,
+    t_ns: Option<u64>,
     kept: &Kept,
 ) -> Result<WatchedValue, JournalError> {
     let t_ns = match t_ns {

@@ -85,7 +85,7 @@ impl CompletedRuns {
     }
 
     /// A run is here as a whole.
-    pub(super) fn add(&mut self, id: &str, stream: StreamId, (events, parts): (u64, u64)) {
+    pub(super) fn add(&mut self, id: &str, stream: StreamId, events: u64, parts: u64) {
         let is_known = |run: &CompletedRun| (run.events, run.parts) == (events, parts);
         if self.find(id).is_some_and(|(_, run)| is_known(&run)) {
             return;
@@ -153,11 +153,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut completed = CompletedRuns::read(folder.path());
         let (first, second) = ("20260101-000000-a-0001", "a run with spaces");
-        completed.add(first, ids::events_of(first), (7, 2));
-        completed.add(first, ids::events_of(first), (7, 2));
+        completed.add(first, ids::events_of(first), 7, 2);
+        completed.add(first, ids::events_of(first), 7, 2);
         // Another run of the robot has its first number.
         let other = ids::streams_of(second).nth(1).unwrap();
-        completed.add(second, other, (9, 1));
+        completed.add(second, other, 9, 1);
         let is_right = |completed: &CompletedRuns| {
             let counts =
                 |id| completed.find(id).map(|(stream, run)| (stream, run.events, run.parts));
@@ -169,7 +169,7 @@ mod tests {
         is_right(&completed);
         let mut completed = CompletedRuns::read(folder.path());
         is_right(&completed);
-        completed.add(first, ids::events_of(first), (0, 0));
+        completed.add(first, ids::events_of(first), 0, 0);
         assert!(completed.find(first).is_none());
         assert!(CompletedRuns::read(folder.path()).find(first).is_none());
         fs::write(folder.path().join("had"), "x y\n3\n\n1 1 b\n").unwrap();
@@ -183,7 +183,7 @@ mod tests {
         let mut completed = CompletedRuns::read(folder.path());
         for number in 0..9 {
             let id = format!("run-{number}");
-            completed.add(&id, ids::events_of(&id), (4, 1));
+            completed.add(&id, ids::events_of(&id), 4, 1);
         }
         let completed = CompletedRuns::read_at_most(folder.path(), 8);
         let known = |number: u32| completed.find(&format!("run-{number}")).is_some();

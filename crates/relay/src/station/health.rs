@@ -15,6 +15,7 @@ pub(super) fn health(
     now: Duration,
 ) -> LinkHealth {
     let today = clock::since_1970_ms();
+    let (sent, received) = session.traffic();
     let offset = |robot_ms: u64| robot_ms.cast_signed() - today.cast_signed();
     let clock = session
         .robot_calendar(now)
@@ -28,7 +29,7 @@ pub(super) fn health(
         contact: contacts.current(today).cloned(),
         contacts_problem: contacts.problem.clone(),
         clock,
-        ..meter.health(now, session.traffic(), session.heard_before(now))
+        ..meter.health(now, sent, received, session.heard_before(now))
     }
 }
 

@@ -217,7 +217,7 @@ impl KeptRuns {
             return found(last, RestoredState::Refused(why));
         }
         if matches!(summary.state, RunState::Finished { .. }) {
-            self.completed.add(&id, events, (last, taken));
+            self.completed.add(&id, events, last, taken);
             return found(last, RestoredState::Whole);
         }
         let mut run = KeptRun { about: Some(about), taken, ..KeptRun::default() };
@@ -271,7 +271,7 @@ impl KeptRuns {
                 run.work(*stream, &self.place, (&self.parcels, self.came), &mut written);
             if std::mem::take(&mut run.is_whole) {
                 let events = run.closed.unwrap_or(0);
-                self.completed.add(run.name(), *stream, (events, run.taken));
+                self.completed.add(run.name(), *stream, events, run.taken);
             }
             if is_due && trouble.is_none() {
                 trouble = run
@@ -293,7 +293,7 @@ impl KeptRuns {
                     let said = run.note_diverged(&self.place, &why);
                     run.refuse();
                     // It can be fetched again once its folder is moved away.
-                    self.completed.add(run.name(), *stream, (0, 0));
+                    self.completed.add(run.name(), *stream, 0, 0);
                     self.place.say(FromDisk::Refused(*stream, said));
                 }
             }

@@ -115,9 +115,7 @@ impl StationRobot {
         if let Some(Pairing { key_id, key, .. }) = &new {
             session.use_key(*key_id, key);
         }
-        let (places, desk) =
-            ((folder.as_path(), settings.runs.as_path()), settings.value_fetches.clone());
-        let values = StationValues::begin(&pairing.robot, places, desk, (number, inbox.clone()));
+        let values = StationValues::begin(settings, &pairing.robot, number, inbox.clone());
         let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
         let machines = folder.join("machines");
@@ -361,7 +359,7 @@ impl StationRobot {
                 }
             }
             Received::Part(id, offset, bytes) => {
-                self.values.take((id, offset), bytes, &mut self.session);
+                self.values.take(id, offset, bytes, &mut self.session);
             }
             Received::NoValue(id, why) => self.values.refused(id, why, &mut self.session),
             Received::Started => {
@@ -453,7 +451,8 @@ impl StationRobot {
         let (contacts, now_ms) = (self.contacts(), clock::since_1970_ms());
         let commands = self.requests.commands(None, &self.session, &contacts.plan, now_ms);
         let link = LinkHealth { commands, ..self.health(&contacts) };
-        let report = self.meter.report(link, self.session.traffic(), runs);
+        let (sent, received) = self.session.traffic();
+        let report = self.meter.report(link, sent, received, runs);
         let problems = self.problem.iter().chain(self.refused.values());
         let problems = problems.map(|problem| format!("not everything is kept: {problem}"));
         let more = (self.refused_more > 0).then(|| {
@@ -553,9 +552,10 @@ impl StationRobot {
         let open = self.runs.iter().filter(|(stream, _)| is_due(self.watching.get(stream)));
         let open: Vec<_> = open.map(|(stream, run)| (*stream, Arc::clone(&run.shared))).collect();
         // Nobody watches a run that is closed.
-        let is_left =
-            |(stream, asked): &(&StreamId, &Asked)| asked.is_any && !self.runs.contains_key(stream);
-        let left = self.watching.iter().filter(is_left);
+        let left = self
+            .watching
+            .iter()
+            .filter(|(stream, asked)| asked.is_any && !self.runs.contains_key(stream));
         let left: Vec<_> = left.map(|(stream, _)| *stream).collect();
         for stream in left {
             self.watch(stream, Vec::new());

@@ -47,11 +47,22 @@ pub(super) enum Rest {
     Goes,
 }
 
+/// A value that can be written.
+#[derive(Debug)]
+pub(crate) struct OpenedValue {
+    pub(super) key: ValueKey,
+    pub(super) name: ValueName,
+    /// Length in bytes.
+    pub(super) length: u64,
+    /// Received bytes.
+    pub(super) here: RangeSet,
+}
+
 /// Events of the disk about values.
 #[derive(Debug)]
 pub(crate) enum FromValueDisk {
-    /// A value can be written: what it is, how long, and which bytes of it are here.
-    Opened(ValueKey, ValueName, u64, RangeSet),
+    /// A value can be written.
+    Opened(OpenedValue),
     /// A value is here: there is nothing to fetch.
     Here(ValueKey),
     /// A value cannot be fetched: why.
@@ -75,7 +86,8 @@ impl ValueDisk {
     pub(super) fn begin(
         runs: PathBuf,
         wanted: PathBuf,
-        (robot, inbox): (usize, SyncSender<Input<ToStation>>),
+        robot: usize,
+        inbox: SyncSender<Input<ToStation>>,
     ) -> io::Result<Self> {
         let (disk, works) = Self::new();
         let keeper = Keeper { runs, wanted, open: BTreeMap::new(), robot, inbox };
@@ -204,7 +216,7 @@ impl Keeper {
                 let length = content.length();
                 // The same bytes may be open for another run.
                 self.open.entry(name.id).or_insert(content);
-                FromValueDisk::Opened(key, name, length, here)
+                FromValueDisk::Opened(OpenedValue { key, name, length, here })
             }
             Err(why) => FromValueDisk::NotOpened(key, why),
         }

@@ -1,15 +1,14 @@
 //! Large values on their way from one robot into the folders of its replicas.
 
-use super::ToStation;
-use super::value_disk::{FromValueDisk, Rest, ValueDisk};
+use super::value_disk::{FromValueDisk, OpenedValue, Rest, ValueDisk};
+use super::{StationSettings, ToStation};
 use crate::inbox::Input;
 use crate::value_fetch_broker::{LinkRate, Request, ValueFetchBroker, ValueKey};
-use rafcon_link::{NoValue, RangeSet, StationSession, ValueId, ValueName};
+use rafcon_link::{NoValue, StationSession, ValueId, ValueName};
 use rafcon_protocol::api::ValueFetch;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
-use std::path::Path;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
@@ -69,14 +68,15 @@ struct Coming {
 impl StationValues {
     /// Resumes the requests of the previous start.
     pub(super) fn begin(
+        settings: &StationSettings,
         name: &str,
-        (folder, runs): (&Path, &Path),
-        fetches: ValueFetchBroker,
-        (number, inbox): (usize, SyncSender<Input<ToStation>>),
+        number: usize,
+        inbox: SyncSender<Input<ToStation>>,
     ) -> io::Result<Self> {
-        let wanted = folder.join(WANTED_FILE);
+        let fetches = settings.value_fetches.clone();
+        let wanted = settings.folder.join(name).join(WANTED_FILE);
         let text = fs::read_to_string(&wanted).unwrap_or_default();
-        let disk = ValueDisk::begin(runs.to_owned(), wanted, (number, inbox))?;
+        let disk = ValueDisk::begin(settings.runs.clone(), wanted, number, inbox)?;
         let (opening, coming) = (BTreeMap::new(), BTreeMap::new());
         let (came, measured, per_s) = (0, (0, Duration::ZERO), 0);
         let robot = name.to_owned();
@@ -107,7 +107,7 @@ impl StationValues {
 
     fn begin_one(&mut self, key: ValueKey, budget: Budget) {
         if !self.disk.open(key.clone()) {
-            return self.fail(&key, (0, budget.left(0)), STUCK);
+            return self.fail(&key, 0, budget.left(0), STUCK);
         }
         self.opening.insert(key, budget);
     }
@@ -115,16 +115,14 @@ impl StationValues {
     /// Applies an event of the disk.
     pub(super) fn on_disk_event(&mut self, event: FromValueDisk, session: &mut StationSession) {
         match event {
-            FromValueDisk::Opened(key, name, length, here) => {
-                self.opened(key, name, (length, here), session);
-            }
+            FromValueDisk::Opened(value) => self.opened(value, session),
             FromValueDisk::Here(key) => {
                 self.opening.remove(&key);
                 self.fetches.set_here(&key);
             }
             FromValueDisk::NotOpened(key, why) => {
                 let budget = self.opening.remove(&key).map_or(0, |budget| budget.left(0));
-                self.fail(&key, (0, budget), &why);
+                self.fail(&key, 0, budget, &why);
             }
             FromValueDisk::Failed(id, why) => return self.end(id, session, &why),
             FromValueDisk::Finished(id, is_right) => {
@@ -134,20 +132,15 @@ impl StationValues {
                 } else {
                     let why =
                         "what came is not the value, by its hash, and was dropped: fetch it again";
-                    self.fail(&key, (0, 0), why);
+                    self.fail(&key, 0, 0, why);
                 }
             }
         }
         self.keep_wanted(session);
     }
 
-    fn opened(
-        &mut self,
-        key: ValueKey,
-        name: ValueName,
-        (length, here): (u64, RangeSet),
-        session: &mut StationSession,
-    ) {
+    fn opened(&mut self, value: OpenedValue, session: &mut StationSession) {
+        let OpenedValue { key, name, length, here } = value;
         let other = self.coming.get(&name.id).map(|other| other.key.clone());
         let Some(budget) = self.opening.remove(&key) else {
             // It was given up meanwhile.
@@ -161,14 +154,14 @@ impl StationValues {
             Some(other) if other == key => return,
             Some((run, number)) => {
                 let why = format!("the same bytes are on their way as value {number} of {run}");
-                return self.fail(&key, (0, budget), &why);
+                return self.fail(&key, 0, budget, &why);
             }
             None => {}
         }
         if !session.fetch(name, length, here, budget) {
             self.disk.leave(name.id, Rest::Stays);
             let why = "too many large values are on their way: fetch it when one is here";
-            return self.fail(&key, (0, budget), why);
+            return self.fail(&key, 0, budget, why);
         }
         self.coming.insert(name.id, Coming { key, name, length, is_new: true, is_whole: false });
         self.advance(name.id, session);
@@ -185,7 +178,8 @@ impl StationValues {
     /// A part came.
     pub(super) fn take(
         &mut self,
-        (id, offset): (ValueId, u64),
+        id: ValueId,
+        offset: u64,
         bytes: Vec<u8>,
         session: &mut StationSession,
     ) {
@@ -230,13 +224,13 @@ impl StationValues {
             let here = progress.unwrap_or_default();
             self.disk.note(id, &here);
             self.disk.leave(id, Rest::Stays);
-            self.fail(&coming.key, (here.count(), 0), why);
+            self.fail(&coming.key, here.count(), 0, why);
         }
         session.end_fetch(id);
         self.keep_wanted(session);
     }
 
-    fn fail(&self, key: &ValueKey, (here, budget): (u64, u64), why: &str) {
+    fn fail(&self, key: &ValueKey, here: u64, budget: u64, why: &str) {
         self.fetches.set_progress(key, ValueFetch { here, budget, failed: Some(why.to_owned()) });
     }
 

@@ -51,6 +51,6 @@ impl RunSource for RobotRuns {
 
     fn value_bytes(&mut self, value: &ValueName, offset: u64, bytes_max: usize) -> Option<Vec<u8>> {
         let folder = self.folder_of(value.stream)?;
-        self.values.bytes(&folder, value, (offset, bytes_max))
+        self.values.bytes(&folder, value, offset, bytes_max)
     }
 }
