@@ -76,9 +76,9 @@ fn serve(rafcon: &Path, missions: &Path, quiet: bool) -> Result<()> {
         Err(error) => eprintln!("the rover will not plan, there is no engine: {error:#}"),
     }
     let mut server = serve.stdout(Stdio::piped()).spawn().context("cannot start the server")?;
-    let out = server.stdout.take().context("the server says nothing")?;
+    let out = server.stdout.take().context("the server's output is not piped")?;
     for (number, line) in BufReader::new(out).lines().enumerate() {
-        let line = line.context("the server cannot be heard")?;
+        let line = line.context("cannot read the server's output")?;
         println!("{line}");
         if number == 0 && !quiet {
             open(&line);

@@ -148,7 +148,7 @@ impl DemoHosts {
             }
             thread::park_timeout(Duration::from_millis(250));
         }
-        anyhow::bail!("the station has not heard of the robot's run: see `rafcon link`")
+        anyhow::bail!("the station has not received the robot's run: see `rafcon link`")
     }
 }
 

@@ -5,7 +5,7 @@
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "what a developer's tool has to say goes to the terminal"
+    reason = "a developer's tool prints to the terminal"
 )]
 
 mod bench;

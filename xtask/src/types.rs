@@ -76,7 +76,7 @@ impl Generated {
     fn check(&self, text: &str) -> Result<()> {
         let found = std::fs::read_to_string(workspace::path(self.file)).unwrap_or_default();
         if found != text {
-            bail!("{} is not what the crates say now: run `cargo xtask types`", self.file);
+            bail!("{} does not match the crates: run `cargo xtask types`", self.file);
         }
         Ok(())
     }

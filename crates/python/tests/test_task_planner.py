@@ -48,7 +48,7 @@ for skill in ("cook", "eat", "give", "move", "order"):
 facts_file = example / "facts.pddl"
 
 class Store:
-    # What the plugin keeps; its own class for that runs on Python 2 only.
+    # Store of the plugin, whose own class runs on Python 2 only.
     def __init__(self, **kept):
         self._kept = kept
 

@@ -82,7 +82,7 @@ impl MeasuredLink<'_> {
 fn begin(mut server: Command) -> Result<Server> {
     server.args(["--bind", "127.0.0.1:0"]).stdout(Stdio::piped()).stderr(Stdio::null());
     let mut child = server.spawn().context("cannot start the server")?;
-    let out = child.stdout.take().context("the server says nothing")?;
+    let out = child.stdout.take().context("the server's output is not piped")?;
     let server = Server(child);
     let mut line = String::new();
     ensure!(BufReader::new(out).read_line(&mut line)? > 0, "the server ended at once");

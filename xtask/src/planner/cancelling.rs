@@ -45,7 +45,7 @@ pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<(
     serve.arg("--runs").arg(bench.folder.join("server_runs"));
     serve.env("RAFCON_PYTHON", &python).env(MARK, "request").stdout(Stdio::piped());
     let mut server = Killed(serve.spawn().context("the server does not start")?);
-    let out = server.0.stdout.take().context("the server says nothing")?;
+    let out = server.0.stdout.take().context("the server's output is not piped")?;
     let link = BufReader::new(out).lines().next().context("the server has ended")??;
     let body = json!({"pool": {"libraries": ["blocks"]}, "facts": problems::blocks(10, false), "time_limit_ms": 600_000});
     let asking = ask(&link, &body.to_string())?;
@@ -74,7 +74,7 @@ fn ask(link: &str, body: &str) -> Result<TcpStream> {
         .trim()
         .strip_prefix("http://")
         .and_then(|rest| rest.split_once("/?token="))
-        .with_context(|| format!("the server says `{link}`"))?;
+        .with_context(|| format!("the server printed `{link}`, not its link"))?;
     let mut stream = TcpStream::connect(address)?;
     write!(
         stream,
@@ -84,7 +84,7 @@ fn ask(link: &str, body: &str) -> Result<TcpStream> {
     )?;
     let mut head = [0; 12];
     stream.read_exact(&mut head)?;
-    ensure!(head.ends_with(b"200"), "the server answers {}", String::from_utf8_lossy(&head));
+    ensure!(head.ends_with(b"200"), "the server responded with {}", String::from_utf8_lossy(&head));
     Ok(stream)
 }
 

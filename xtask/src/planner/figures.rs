@@ -28,7 +28,7 @@ const ALL: [PlannerFigure; 17] = [
         "40 blocks, from the command to the shown plan, its machine built",
     ),
     told("blocks_40_steps", "steps of that plan"),
-    most("logistics_12_40_ms", 2000.0, "40 packages in 12 cities, the same"),
+    most("logistics_12_40_ms", 2000.0, "40 packages in 12 cities, measured like 40 blocks"),
     told("logistics_12_40_steps", "steps of that plan"),
     most(
         "machine_ms",
@@ -38,7 +38,7 @@ const ALL: [PlannerFigure; 17] = [
     told("machine_steps", "steps of that plan"),
     told(
         "machine_saved_ms",
-        "the same, the whole command with reading skills and writing all files",
+        "that plan, the whole command with reading skills and writing all files",
     ),
     most("machine_notes", 0.0, "errors and notes of `rafcon check` on that machine"),
     most(
@@ -56,7 +56,7 @@ const ALL: [PlannerFigure; 17] = [
     most(
         "cancel_request_ms",
         200.0,
-        "the same at a server, from the end of the request's connection",
+        "at a server, from the end of the request's connection to the last process of such an engine",
     ),
     told(
         "restaurant_plan_ms",
@@ -65,7 +65,7 @@ const ALL: [PlannerFigure; 17] = [
     told("restaurant_save_ms", "then, until the machine was written"),
     told(
         "plugin_plan_ms",
-        "the plugin on the same example with the same engine, until the plan was there",
+        "the plugin on this example with this engine, until the plan was complete",
     ),
     told("plugin_build_ms", "then, until its machine was written"),
 ];

@@ -174,7 +174,7 @@ struct Planned {
 fn timed_plan(command: &mut Command) -> Result<Planned> {
     let begin = now();
     let mut child = command.stdout(Stdio::piped()).spawn().context("rafcon does not start")?;
-    let mut out = BufReader::new(child.stdout.take().context("rafcon says nothing")?);
+    let mut out = BufReader::new(child.stdout.take().context("the output of rafcon is not piped")?);
     let mut line = String::new();
     out.read_line(&mut line)?;
     let shown = since(begin);

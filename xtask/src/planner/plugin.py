@@ -45,7 +45,7 @@ class Table(dict):
 
 
 class Store:
-    """What the plugin keeps; its own class for that runs on Python 2 only."""
+    """Store of the plugin, whose own class runs on Python 2 only."""
 
     def __init__(self, **kept):
         self._kept = kept

@@ -44,7 +44,7 @@ pub(super) fn measure(bench: &PlannerBench, measured: &mut Measured) -> Result<(
         command.args(["-c", PROGRAM]).arg(&plugin).arg(bench.python.with_file_name("kairos"));
         let said = process::quiet(command.current_dir(workspace::target()?))?;
         let said: Value = serde_json::from_str(said.lines().last().unwrap_or_default())
-            .context("the plugin says nothing")?;
+            .context("the plugin printed no JSON")?;
         ensure!(said["steps"] == 9, "the plugin plans otherwise: {said}");
         plan.push(said["plan_ms"].as_f64().context("no time")?);
         build.push(said["build_ms"].as_f64().context("no time")?);

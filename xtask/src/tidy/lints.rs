@@ -28,9 +28,9 @@ type Ban = (&'static str, &'static str);
 
 const ORDER: &str = "its order differs from run to run; use BTreeMap, BTreeSet or an index";
 const CLOCK: &str =
-    "time is an input; only the crate's one clock module reads it, with an #[expect] that says so";
+    "time is an input; only the crate's one clock module reads it, with an #[expect] and a reason";
 const BOUNDED: &str = "a queue without a bound hides a reader that falls behind; use sync_channel";
-const PURITY: &str = "this crate is pure: the same inputs give the same outputs, always";
+const PURITY: &str = "this crate is pure: equal inputs give equal outputs, always";
 
 const TYPES: [Ban; 2] =
     [("std::collections::HashMap", ORDER), ("std::collections::HashSet", ORDER)];

@@ -29,7 +29,7 @@ fn findings_in(file: &Path, text: &str) -> Vec<String> {
     let mut findings = Vec::new();
     if !text.starts_with("//!") {
         findings.push(
-            "does not open with `//!`: say what the module knows and knows nothing of".to_owned(),
+            "does not open with `//!`: state what the module knows and knows nothing of".to_owned(),
         );
     }
     let lines = text.lines().count();

@@ -28,7 +28,7 @@ pub(super) fn check() -> Result<Vec<String>> {
             let (key, place) = ((folder.clone(), name.clone()), file.clone());
             if let Some(other) = types.insert(key, place) {
                 findings.push(format!(
-                    "{}: the type `{name}` has the name of another in {}: say of what it is",
+                    "{}: the type `{name}` has the name of another in {}: add what it belongs to",
                     file.display(),
                     other.display()
                 ));
@@ -80,7 +80,7 @@ fn questions_that_act(text: &str) -> Vec<String> {
         let is_test = text[..at].trim_end().ends_with("#[test]");
         if acts && !is_test {
             findings.push(format!(
-                "`{name}` is called like a question, and waits or changes something: say what it does"
+                "`{name}` is called like a question, and waits or changes something: name it after its action"
             ));
         }
     }
