@@ -35,7 +35,7 @@ impl<D: Datum> Engine<D> {
         for hold in &run.control.holds {
             let parent = hold.stop_point.parent;
             holds(parent == NONE || known.contains(&parent), parent, "a hold in no frame")?;
-            holds(run.branches.has(hold.branch), parent, "a hold on a branch that is gone")?;
+            holds(run.branches.has(hold.branch), parent, "a hold on a removed branch")?;
         }
         reached.iter().try_for_each(|&slot| self.check_frame(slot))?;
         let forked = reached.iter().filter(|&&slot| self.begins_branch(slot)).count();
@@ -47,7 +47,7 @@ impl<D: Datum> Engine<D> {
     fn check_frame(&self, slot: u32) -> Checked {
         let frame = self.run.frames.get(slot);
         let node = self.program.node(frame.node);
-        holds(self.run.branches.has(frame.branch), slot, "its branch is gone")?;
+        holds(self.run.branches.has(frame.branch), slot, "its branch does not exist")?;
         holds(frame.phase != Phase::Begun, slot, "it has begun and does nothing")?;
         let place = self.run.places.node(frame.path);
         holds(place == Some(frame.node), slot, "another state is_suspended at its place")?;
