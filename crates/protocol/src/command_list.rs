@@ -283,7 +283,7 @@ pub fn list_times(
         });
         all.push(match earlier {
             Some(line) => Err(format!(
-                "it has no later time than line {line} of the same run: give it a later not_before, or move it up"
+                "it has no later time than line {line} of this run: give it a later not_before, or move it up"
             )),
             None => times,
         });

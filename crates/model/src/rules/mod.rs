@@ -189,9 +189,9 @@ rules! {
     RuntimeValueType: Error, "change the runtime value or do not use it";
 
     /// The state of an edit exists.
-    NoSuchState: Error, "look at the machine again: it may have changed";
+    NoSuchState: Error, "check the machine again: it may have changed";
     /// The element of an edit exists.
-    NoSuchElement: Error, "look at the machine again: it may have changed";
+    NoSuchElement: Error, "check the machine again: it may have changed";
     /// A new element has a unique id.
     IdTaken: Error, "take another id";
     /// The outcomes aborted and preempted cannot be removed.

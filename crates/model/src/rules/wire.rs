@@ -100,7 +100,7 @@ fn twice_fault(container: &Container, flow: &DataFlow) -> Option<Fault> {
     let from = (flow.from_state.clone(), flow.from_port);
     let to = (flow.to_state.clone(), flow.to_port);
     let twin = container.data_flows.between(from, to).find(|other| other.id != flow.id)?;
-    let what = format!("the data flow {} connects the same ports", twin.id);
+    let what = format!("the data flow {} already connects these ports", twin.id);
     Some(Fault::new(Rule::FlowTwice, what))
 }
 

@@ -63,7 +63,7 @@ fn an_undo_that_no_longer_fits_is_refused() {
     let back = apply(&mut machine, remove, &BuiltinTypes).expect("applied");
     let refused = history.undo(&mut machine, &BuiltinTypes).expect_err("refused");
     expect![
-        "ROOT/AAAAAA, state: there is no such state; look at the machine again: it may have changed"
+        "ROOT/AAAAAA, state: there is no such state; check the machine again: it may have changed"
     ]
     .assert_eq(&refused.to_string());
     apply(&mut machine, back, &BuiltinTypes).expect("applied");

@@ -292,8 +292,8 @@ fn data_flows_connect_ports_that_fit() {
             Error FlowBetweenVariables: ROOT, data flow 8: it connects two scoped variables; let a state pass the value on
             Error FlowType: ROOT, data flow 9: the types do not fit from `i` (int) to `o` (str); change one of the types, or use object
             Note FlowTypeUnknown: ROOT, data flow 10: it is unknown whether the types fit from `i` (int) to `m` (numpy.ndarray); it is checked when the machine runs
-            Error FlowTwice: ROOT, data flow 11: the data flow 12 connects the same ports; remove one of the data flows
-            Error FlowTwice: ROOT, data flow 12: the data flow 11 connects the same ports; remove one of the data flows
+            Error FlowTwice: ROOT, data flow 11: the data flow 12 already connects these ports; remove one of the data flows
+            Error FlowTwice: ROOT, data flow 12: the data flow 11 already connects these ports; remove one of the data flows
             Error FlowPort: ROOT, data flow 13: it ends at the port 0 of CCCCCC, which does not exist; connect the data flow with a port that exists, or remove it
             Error ChildrenMissing: ROOT/CCCCCC, state: no state is in it; add a state; in a hierarchy, also connect the income with it
         "]],

@@ -87,9 +87,9 @@ fn the_commands_of_a_run_have_rising_times() {
         &expect![[r"
             - -
             2026-11-28T14:00:00Z -
-            it has no later time than line 1 of the same run: give it a later not_before, or move it up
-            it has no later time than line 2 of the same run: give it a later not_before, or move it up
-            it has no later time than line 4 of the same run: give it a later not_before, or move it up
+            it has no later time than line 1 of this run: give it a later not_before, or move it up
+            it has no later time than line 2 of this run: give it a later not_before, or move it up
+            it has no later time than line 4 of this run: give it a later not_before, or move it up
             2026-11-28T15:00:00Z -
         "]],
     );

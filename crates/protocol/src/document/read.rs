@@ -73,7 +73,7 @@ pub(crate) fn state_tree(
         (Some(state), true) => Ok(state),
         (last, _) => {
             let at = last.map_or_else(|| "an empty list".to_owned(), |state| state.id.to_string());
-            let what = "one state and what stands inside it is wanted, each below the one before";
+            let what = "expected one state and its descendants, each after its parent";
             Err(DocumentError::new(&at, "path", what))
         }
     }
@@ -91,7 +91,7 @@ fn forest(
         let (parent, state) = document.read(library)?;
         let parent = match parent {
             Some(parent) => Some(*places.get(parent).ok_or_else(|| {
-                place.wrong("path", format!("its parent {parent} does not stand before it"))
+                place.wrong("path", format!("its parent {parent} does not precede it"))
             })?),
             None => None,
         };
@@ -101,7 +101,7 @@ fn forest(
             return Err(place.wrong("path", what));
         }
         if places.insert(&document.path, (index, depth)).is_some() {
-            return Err(place.wrong("path", "it stands here twice"));
+            return Err(place.wrong("path", "it occurs twice"));
         }
         let parent = parent.map(|(index, _)| index);
         open.push((parent, state));
@@ -210,7 +210,7 @@ impl StateDocument {
 
     fn library(&self) -> Result<Library, DocumentError> {
         let place = Place(&self.path);
-        let what = "a library state says which library it runs: path and name";
+        let what = "a library state needs the path and name of its library";
         self.library.as_ref().ok_or_else(|| place.wrong("library", what))?.read(place)
     }
 }

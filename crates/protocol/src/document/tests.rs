@@ -118,13 +118,13 @@ fn what_is_no_machine_is_refused_with_state_and_field() {
         document.read(&mut leave).expect_err("refused").to_string()
     };
     expect![[r"
-        an empty list, path: one state and what stands inside it is wanted, each below the one before
-        GONE/AAAAAA, path: its parent GONE does not stand before it
-        ROOT/AAAAAA, path: it stands here twice
-        ROOT/BBBBBB/DDDDDD, path: its parent ROOT/BBBBBB does not stand before it
+        an empty list, path: expected one state and its descendants, each after its parent
+        GONE/AAAAAA, path: its parent GONE does not precede it
+        ROOT/AAAAAA, path: it occurs twice
+        ROOT/BBBBBB/DDDDDD, path: its parent ROOT/BBBBBB does not precede it
         ROOT, script: a state of the kind hierarchy has none; leave it out
         ROOT, inputs, port 0, default: `__int__`: x is no whole number
-        ROOT/CCCCCC/EEEEEE, library: a library state says which library it runs: path and name"]]
+        ROOT/CCCCCC/EEEEEE, library: a library state needs the path and name of its library"]]
     .assert_eq(
         &[
             refused(&|d| d.states.clear()),

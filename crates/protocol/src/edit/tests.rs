@@ -74,8 +74,8 @@ fn what_is_no_edit_is_refused_with_the_field() {
         missing field `name`
         unknown field `nam`, expected `path` or `name`
         `default` of the edit: `__int__`: x is no whole number
-        `states` of the edit: an empty list, path: one state and what stands inside it is wanted, each below the one before
-        `states` of the edit: X, library: a library state says which library it runs: path and name
+        `states` of the edit: an empty list, path: expected one state and its descendants, each after its parent
+        `states` of the edit: X, library: a library state needs the path and name of its library
         a layout is an object
         `edits` of the edit: batches are nested deeper than 4 levels; join them
     "]].assert_eq(

@@ -329,7 +329,7 @@ fn a_list_with_a_fault_sends_nothing_and_names_all_faults() {
         409 "command_list_faulty" robot scout: nothing was sent, because of these faults:
         line 2 (resume of run RUN): owner@robot holds control of the run: request control, then release the list
         line 3 (edit_script of run RUN): the pairing of this station allows `command`, and this needs `change`: pair again with `rafcon pair NAME --rights change` on the robot
-        line 4 (pause of run RUN): it has no later time than line 3 of the same run: give it a later not_before, or move it up
+        line 4 (pause of run RUN): it has no later time than line 3 of this run: give it a later not_before, or move it up
         line 5 (pause of run RUN): it expires at PASS+8 and takes effect at PASS+9 at the earliest: correct one of the times
         line 6 (pause of run RUN): its time 2020-01-01T00:00:00Z is past: choose a later one
         line 7 (pause of run gone): the command would expire at EARLY, and the next contact begins at PASS: let it expire later than that, or change the contacts

@@ -190,7 +190,7 @@ fn edits_that_no_longer_fit_are_listed_exported_and_discarded() {
     let edits =
         edits.iter().map(|edit| format!("{} {} {}", edit["author"], edit["name"], edit["what"]));
     expect![[r#"
-        unsaved edits of …/one cannot be applied: ROOT/GONEXX, state: there is no such state; look at the machine again: it may have changed
+        unsaved edits of …/one cannot be applied: ROOT/GONEXX, state: there is no such state; check the machine again: it may have changed
         "engineer" "Rename" "set name ROOT/GONEXX: name \"Ann's\""
     "#]]
     .assert_eq(&format!("{reason}\n{}\n", edits.collect::<Vec<_>>().join("\n")));

@@ -176,9 +176,9 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
         400 bad_path: `../other` is not a path in a project: names joined by `/`, none of them hidden (with a dot in front), no `/` at the beginning, 4096 bytes at most
         404 no_such_machine: no machine `nobody` is open: POST /api/v1/machines/open opens one
         409 nothing_to_do: there is no step of yours to be taken back
-        409 edit_refused: ROOT/GONE, state: there is no such state; look at the machine again: it may have changed
+        409 edit_refused: ROOT/GONE, state: there is no such state; check the machine again: it may have changed
         422 edit_refused: ROOT, state: the name is empty; give the state a name
-        400 bad_edit: `states` of the edit: an empty list, path: one state and what stands inside it is wanted, each below the one before
+        400 bad_edit: `states` of the edit: an empty list, path: expected one state and its descendants, each after its parent
         400 bad_body: the body does not fit: Failed to deserialize the JSON body into the target type: edit.edit: unknown variant `explode`, expected one of `set_name`, `set_id`, `set_description`, `set_semantic_data`, `set_script`, `set_kind`, `add_outcome`, `rename_outcome`, `remove_outcome`, `add_port`, `rename_port`, `set_port_type`, `set_port_default`, `remove_port`, `add_transition`, `set_transition_origin`, `set_transition_target`, `remove_transition`, `add_data_flow`, `set_data_flow_source`, `set_data_flow_target`, `remove_data_flow`, `set_runtime_value`, `use_runtime_value`, `remove_runtime_value`, `set_position`, `set_size`, `set_waypoints`, `set_layout`, `add_state`, `remove_state`, `set_start`, `group`, `ungroup`, `substitute_state`, `move_states`, `paste`, `set_version`, `set_machine_layout`, `set_header`, `batch` at line 1 column 25
         409 is_open: two is open: close it first
         409 folder_exists: one exists: choose another folder

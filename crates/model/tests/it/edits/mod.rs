@@ -110,7 +110,7 @@ fn a_state_is_changed() {
             refused: ROOT/FIRSTX, state: something else has this id; take another id
             refused: ROOT/FIRSTX, state: something else has this id; take another id
             refused: MAINXX, state: a state of the kind hierarchy has no script; change the kind of the state first
-            refused: MAINXX/NOPEXX, state: there is no such state; look at the machine again: it may have changed
+            refused: MAINXX/NOPEXX, state: there is no such state; check the machine again: it may have changed
             hierarchy MAINXX "ROOT"
               outcome success
               in a: int
@@ -150,7 +150,7 @@ fn outcomes_go_with_their_transitions() {
             outcome("ROOT/FIRSTX", 3, OutcomeEdit::Add("more".into())),
         ],
         &expect![[r"
-            refused: ROOT/FIRSTX, outcome 0: it does not exist; look at the machine again: it may have changed
+            refused: ROOT/FIRSTX, outcome 0: it does not exist; check the machine again: it may have changed
             refused: ROOT/FIRSTX, outcome -1: every state has this outcome; rename the outcome, or leave it unconnected
             refused: ROOT/FIRSTX, outcome 3: the outcome -1 has the name `failed`, too; rename one of the outcomes
             refused: ROOT/FIRSTX, outcome 3: something else has this id; take another id
@@ -201,7 +201,7 @@ fn ports_go_with_their_data_flows() {
             refused: ROOT/FIRSTX, input 1: something else has this id; take another id
             refused: ROOT/FIRSTX, input 2: the input 0 has the name `x`, too; rename one of the ports
             refused: ROOT/FIRSTX, scoped variable 3: a state of the kind execution has no scoped variables; change the kind of the state first
-            refused: ROOT, scoped variable 1: it does not exist; look at the machine again: it may have changed
+            refused: ROOT, scoped variable 1: it does not exist; check the machine again: it may have changed
             hierarchy ROOT
               outcome success
               in a: bool
@@ -245,7 +245,7 @@ fn transitions_are_drawn_and_moved() {
             refused: ROOT, transition 4: the transition 1 begins at the income, too; remove one of the start transitions
             refused: ROOT, transition 2: it leads to NOPEXX, which does not exist; connect the end with a child or an outcome of the container, or remove the transition
             refused: ROOT, transition 3: the transition 2 begins at the outcome `preempted` of FIRSTX, too; remove one of the transitions
-            refused: ROOT, transition 1: it does not exist; look at the machine again: it may have changed
+            refused: ROOT, transition 1: it does not exist; check the machine again: it may have changed
             refused: ROOT/FIRSTX, state: it is a state of the kind execution, which has no children; change the kind of the state first
             hierarchy ROOT
               outcome success
@@ -284,11 +284,11 @@ fn data_flows_are_drawn_and_moved() {
             flow(1, DataFlowEdit::Remove),
         ],
         &expect![[r"
-            refused: ROOT, data flow 3: the data flow 1 connects the same ports; remove one of the data flows
+            refused: ROOT, data flow 3: the data flow 1 already connects these ports; remove one of the data flows
             refused: ROOT, data flow 3: the types do not fit from `y` (int) to `x` (float); change one of the types, or use object
-            refused: ROOT, data flow 3: the data flow 1 connects the same ports; remove one of the data flows
+            refused: ROOT, data flow 3: the data flow 1 already connects these ports; remove one of the data flows
             refused: ROOT, data flow 3: it leads to the port where it begins; connect the two ends with different ports
-            refused: ROOT, data flow 1: it does not exist; look at the machine again: it may have changed
+            refused: ROOT, data flow 1: it does not exist; check the machine again: it may have changed
             hierarchy ROOT
               outcome success
               in a: int
@@ -332,7 +332,7 @@ fn libraries_take_runtime_values_and_keep_their_interface() {
         ],
         &expect![[r#"
             refused: ROOT/LIBRAR, runtime value of input 0: the runtime value of `x`: "five" is not of the type int; change the runtime value or do not use it
-            refused: ROOT/LIBRAR, runtime value of input 0: it does not exist; look at the machine again: it may have changed
+            refused: ROOT/LIBRAR, runtime value of input 0: it does not exist; check the machine again: it may have changed
             refused: ROOT/LIBRAR, runtime value of input 1: there is no input with the id 1; remove the runtime value
             refused: ROOT/LIBRAR, state: its outcomes and ports are those of its library; open the library and change it there, or replace the state by a copy of its content
             refused: ROOT/LIBRAR/INNERX, state: it is inside the library state LIBRAR; open the library and change it there, or replace the state by a copy of its content

@@ -74,7 +74,7 @@ fn states_come_and_go() {
             refused: ROOT/BBBBBB/unique_decider_state_id, state: it is the decider of a barrier; remove or change the barrier as a whole
             refused: ROOT, transition 1: it leads to the outcome 3 of the container, which does not exist; connect the end with an outcome that exists, or remove the transition
             refused: ROOT/BBBBBB, transition 3: it begins at the income of a barrier concurrency state; remove the start transition
-            refused: ROOT/AAAAAA, state: there is no such state; look at the machine again: it may have changed
+            refused: ROOT/AAAAAA, state: there is no such state; check the machine again: it may have changed
             refused: ROOT/BBBBBB/CCCCCC, state: it is a state of the kind execution, which has no children; change the kind of the state first
             hierarchy ROOT
               outcome success
@@ -225,9 +225,9 @@ fn a_group_with_two_entries_is_refused() {
         ],
         &expect![[r"
             refused: ROOT, transition 4: transitions lead to both BBBBBB and DDDDDD in the group; group states that are entered at one state only, or remove transitions first
-            refused: ROOT, state: there is no state to group; look at the machine again: it may have changed
-            refused: ROOT/NOPEXX, state: there is no such state; look at the machine again: it may have changed
-            refused: ROOT, scoped variable 7: it does not exist; look at the machine again: it may have changed
+            refused: ROOT, state: there is no state to group; check the machine again: it may have changed
+            refused: ROOT/NOPEXX, state: there is no such state; check the machine again: it may have changed
+            refused: ROOT, scoped variable 7: it does not exist; check the machine again: it may have changed
             hierarchy ROOT
               outcome success
               var sv: int
@@ -489,7 +489,7 @@ fn a_substitute_takes_over_what_fits() {
         &with_default,
         &[substitute(&library), substitute(&library)],
         &expect![[r#"
-        refused: ROOT/CCCCCC, state: there is no such state; look at the machine again: it may have changed
+        refused: ROOT/CCCCCC, state: there is no such state; check the machine again: it may have changed
         hierarchy ROOT
           outcome success
           var sv: int
