@@ -134,7 +134,7 @@ pub enum Wrong {
     #[error("the key is not a whole number")]
     Key,
     /// Two keys of elements denote one number.
-    #[error("the same id occurs twice")]
+    #[error("the id occurs twice")]
     Twice,
     /// The element contains another id than its key. The key counts.
     #[error("the id inside is {0}, the key counts")]
@@ -150,9 +150,7 @@ impl Fault {
             }
             Self::Conflict(_) => CONFLICT_REMEDY,
             Self::Wrong(_) => "correct the key in the file, or change the state and save it",
-            Self::Element { wrong: Wrong::OtherId(_), .. } => {
-                "save the state to make both the same"
-            }
+            Self::Element { wrong: Wrong::OtherId(_), .. } => "save the state to make both equal",
             Self::Element { .. } => "correct it in the file; it is kept there, but has no effect",
             Self::UnknownClass(_) => {
                 "correct `__jsonqualname__`; the file stays as it is until the state is changed"

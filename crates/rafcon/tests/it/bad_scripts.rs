@@ -268,7 +268,7 @@ def execute(self, inputs, outputs, gvm):
         &script.replace("RAFCON", env!("CARGO_BIN_EXE_rafcon")),
         &expect![[r"
             0 finished success
-            error: the run in PLACE/.local/state/rafcon/runs/RUN is still going on (process PID): join it with `rafcon attach`, or end it first
+            error: the run in PLACE/.local/state/rafcon/runs/RUN is still active (process PID): join it with `rafcon attach`, or end it first
         "]],
     );
 }

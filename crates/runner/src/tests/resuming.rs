@@ -481,7 +481,7 @@ fn a_run_that_is_over_or_goes_on_is_not_resumed() {
     let (mut viewer, runner) = fixture.begin(fixture.launch());
     viewer.until_text("+ROOT/C");
     let refused = refusal(&fixture);
-    assert!(refused.contains("still going on"), "{refused}");
+    assert!(refused.contains("still active"), "{refused}");
     assert_eq!(viewer.command("stop", Command::Stop), "applied");
     drop(viewer);
     runner.join().unwrap();

@@ -38,7 +38,7 @@ pub(crate) fn decode(
         version: version(document.get("version")),
         inputs: runtime_values(decoder, document, &INPUTS, aside),
         outputs: runtime_values(decoder, document, &OUTPUTS, aside),
-        content: LibraryContent::Missing { reason: SmolStr::new_static("not looked up") },
+        content: LibraryContent::Missing { reason: SmolStr::new_static("not resolved yet") },
     }
 }
 

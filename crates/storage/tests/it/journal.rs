@@ -111,7 +111,7 @@ fn one_process_writes_a_run() {
     assert_eq!(writer_of(folder.path()).unwrap(), Some(process));
     let refused = Journal::resume(folder.path(), &OPTIONS).unwrap_err();
     let expected = format!(
-        "the run in {} is still going on (process {process}): join it with `rafcon attach`, or end it first",
+        "the run in {} is still active (process {process}): join it with `rafcon attach`, or end it first",
         folder.path().display()
     );
     assert_eq!(refused.to_string(), expected);

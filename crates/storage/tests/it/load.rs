@@ -204,9 +204,9 @@ fn faulty_elements_are_set_aside() {
                 extra {"input_data_ports":{"0":{"data_port_id":0,"name":"p"}},"outcomes":{"00":{"name":"again"},"1":5,"2":{"name":[],"outcome_id":2},"x":{"name":"no"}},"output_data_ports":[]}
             ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.1: should be an object, not an integer; correct it in the file; it is kept there, but has no effect
             ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.2: `name` should be a string, not a list; correct it in the file; it is kept there, but has no effect
-            ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.3: the id inside is 4, the key counts; save the state to make both the same
+            ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.3: the id inside is 4, the key counts; save the state to make both equal
             ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.x: the key is not a whole number; correct it in the file; it is kept there, but has no effect
-            ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.00: the same id occurs twice; correct it in the file; it is kept there, but has no effect
+            ROOTID/AAAAAA (a_AAAAAA/core_data.json): outcomes.00: the id occurs twice; correct it in the file; it is kept there, but has no effect
             ROOTID/AAAAAA (a_AAAAAA/core_data.json): input_data_ports.0: `data_type` is missing; correct it in the file; it is kept there, but has no effect
             ROOTID/AAAAAA (a_AAAAAA/core_data.json): `output_data_ports` should be an object, not a list; correct the key in the file, or change the state and save it
         "#]],

@@ -148,7 +148,7 @@ fn events_that_are_not_as_many_as_they_should_be_are_refused() {
     let mut replica = Replica::open(station.path(), &About::default(), &SMALL).unwrap();
     let refused = replica.append(&items).unwrap_err();
     assert!(matches!(refused, ReplicaError::Count { .. }));
-    expect!["5 events were sent, and 4 came: both sides need the same version of rafcon"]
+    expect!["5 events were announced, but 4 arrived: use one version of rafcon on both sides"]
         .assert_eq(&refused.to_string());
     assert_eq!(replica.next(), 1);
 }

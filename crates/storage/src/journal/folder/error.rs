@@ -38,7 +38,7 @@ impl std::fmt::Display for Doing {
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// Another process is writing the journal.
-    #[error("the run in {} is still going on (process {process}): join it with `rafcon attach`, or end it first", folder.display())]
+    #[error("the run in {} is still active (process {process}): join it with `rafcon attach`, or end it first", folder.display())]
     Going {
         /// Folder of the run.
         folder: PathBuf,
@@ -110,7 +110,7 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// The run has no machine with this hash.
-    #[error("{} has no machine {hash}: the events `root` of the run say which it has", path.display())]
+    #[error("{} has no machine {hash}: the `root` events of the run list its machines", path.display())]
     NoMachine {
         /// Path of the file.
         path: PathBuf,

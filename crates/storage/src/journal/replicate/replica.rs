@@ -21,12 +21,12 @@ pub struct Replica {
 pub enum ReplicaError {
     /// The bytes are not items of a journal.
     #[error(
-        "the items of a run are broken, and are not kept: both sides need the same version of rafcon"
+        "the items of a run are broken, and are not kept: use one version of rafcon on both sides"
     )]
     Broken(#[from] Broken),
     /// The number of items differs from the announced number.
     #[error(
-        "{said} events were sent, and {found} came: both sides need the same version of rafcon"
+        "{said} events were announced, but {found} arrived: use one version of rafcon on both sides"
     )]
     Count {
         /// Announced number of events.

@@ -195,7 +195,7 @@ fn settle_values(run: &Path, values: &mut [(ValueNumber, Stored)]) -> Result<(),
             Ok(()) => any = true,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 if !is_replica(run) {
-                    stored.content = Content::Nothing("its file is gone".to_owned());
+                    stored.content = Content::Nothing("its file is missing".to_owned());
                 }
             }
             Err(source) => return Err(JournalError::io(&path, Doing::Sync, source)),
