@@ -188,7 +188,7 @@ impl Pool {
                 if !seen.insert(&parameter.name) {
                     self.findings.push(Finding::error(
                         &[library],
-                        format!("the parameter `?{}` is there twice", parameter.name),
+                        format!("the parameter `?{}` occurs twice", parameter.name),
                     ));
                 }
             }
@@ -261,7 +261,7 @@ fn merged(
         };
         if known.arguments.len() != signature.arguments.len() {
             let text = format!(
-                "`{known}` and `{signature}` differ in how many they take: give both the same, or rename one"
+                "`{known}` and `{signature}` differ in their number of arguments: make them equal, or rename one"
             );
             let finding = Finding::error(&[by, library], text);
             if !findings.contains(&finding) {
@@ -275,7 +275,7 @@ fn merged(
                 known.types = types;
             } else {
                 let text = format!(
-                    "`{before}` and `{signature}` take unrelated types: `{}` and `{}`; if they belong together, say what they are both a kind of",
+                    "`{before}` and `{signature}` take unrelated types: `{}` and `{}`; if they belong together, give them a common supertype",
                     known.types.join("` or `"),
                     other.types.join("` or `"),
                 );

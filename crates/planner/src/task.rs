@@ -162,7 +162,7 @@ impl AtomChecks<'_> {
                         typed.types.is_empty()
                             || typed.types.iter().any(|kind| domain.fits(kind, &wanted.types))
                     } else {
-                        wrong(format!("`?{name}` in `{atom}` stands for nothing"));
+                        wrong(format!("`?{name}` in `{atom}` is not declared"));
                         continue;
                     }
                 }

@@ -124,7 +124,7 @@ fn run_moment(
             if let Some((other, _)) =
                 touched.iter().find(|(other, before)| other != index && before.disturbs(&touch))
             {
-                return Err(at(format!("it disturbs step {} at the same moment", other + 1)));
+                return Err(at(format!("it disturbs step {}, which is simultaneous", other + 1)));
             }
             touched.push((*index, touch));
         }

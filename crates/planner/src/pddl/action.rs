@@ -34,8 +34,7 @@ fn action(expression: &Expression) -> Result<Action, PddlError> {
     while let Some(key) = rest.next() {
         let word =
             key.word().ok_or_else(|| key.error("a part such as `:parameters` is expected here"))?;
-        let value =
-            rest.next().ok_or_else(|| key.error(format!("nothing stands behind `{word}`")))?;
+        let value = rest.next().ok_or_else(|| key.error(format!("nothing follows `{word}`")))?;
         match (word.as_str(), durative) {
             (":parameters", _) => action.parameters = variables(value.list()?)?,
             (":precondition", false) => action.needs[0] = condition(value)?,
@@ -161,7 +160,7 @@ fn bounds(expression: &Expression) -> Result<Vec<DurationBound>, PddlError> {
 fn moment(expression: &Expression) -> Result<(usize, &Expression), PddlError> {
     let wrong = || {
         expression.error(
-            "in an action with duration, say when: `(at start …)`, `(over all …)` or `(at end …)`",
+            "in an action with duration, specify when: `(at start …)`, `(over all …)` or `(at end …)`",
         )
     };
     let [at, when, what] = expression.list()? else { return Err(wrong()) };

@@ -96,7 +96,7 @@ fn objects(items: &[Expression]) -> Result<Vec<Object>, PddlError> {
         let name = lower(&spelling);
         if !names.insert(name.clone()) {
             return Err(item.error(format!(
-                "the object `{spelling}` is there twice: capitals make no difference"
+                "the object `{spelling}` occurs twice: capitals make no difference"
             )));
         }
         let kind = match types.as_slice() {
@@ -162,6 +162,6 @@ mod tests {
         let problem = read_problem(&text).unwrap();
         assert_eq!((problem.objects.len(), problem.facts.len()), (100_000, 100_000));
         let twice = text.replace("(:objects", "(:objects O77");
-        assert!(read_problem(&twice).unwrap_err().to_string().contains("there twice"));
+        assert!(read_problem(&twice).unwrap_err().to_string().contains("occurs twice"));
     }
 }

@@ -71,7 +71,7 @@ impl Expression {
         match self {
             Self::List(items, _) => Ok(items),
             Self::Word(word, _) => {
-                Err(self.error(format!("`{word}` stands where a list in brackets is expected")))
+                Err(self.error(format!("found `{word}`, expected a list in brackets")))
             }
         }
     }
@@ -81,7 +81,7 @@ impl Expression {
         let (first, rest) = self
             .list()?
             .split_first()
-            .ok_or_else(|| self.error("an empty list stands where a name is expected"))?;
+            .ok_or_else(|| self.error("found an empty list, expected a name"))?;
         let name =
             first.word().ok_or_else(|| first.error("a name is expected here, not a list"))?;
         Ok((name, rest))

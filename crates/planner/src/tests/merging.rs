@@ -74,9 +74,9 @@ types robot - machine";
         &expect![[r"
         error: pool/b, pool/c: the type `robot` is a kind of `thing` and of `machine`: decide for one
         error: pool/a, pool/b: each is the action `go`: rename it in all but one
-        warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `robot` and `place`; if they belong together, say what they are both a kind of
-        warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `place` and `robot`; if they belong together, say what they are both a kind of
-        error: pool/a, pool/c: `(at ?x - object ?y - object)` and `(at ?x - robot)` differ in how many they take: give both the same, or rename one
+        warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `robot` and `place`; if they belong together, give them a common supertype
+        warning: pool/a, pool/b: `(at ?x - robot ?y - place)` and `(at ?x - place ?y - robot)` take unrelated types: `place` and `robot`; if they belong together, give them a common supertype
+        error: pool/a, pool/c: `(at ?x - object ?y - object)` and `(at ?x - robot)` differ in their number of arguments: make them equal, or rename one
         error: `on` is a predicate and a number: rename one
     "]],
     );
@@ -140,7 +140,7 @@ fn what_is_no_action_is_told_with_its_place() {
         (
             "(:durative-action go :parameters () :duration (= ?duration 1) :effect (on))",
             expect![[r"
-                error: pool/a: pddl_action: line 1, column 71: in an action with duration, say when: `(at start …)`, `(over all …)` or `(at end …)`
+                error: pool/a: pddl_action: line 1, column 71: in an action with duration, specify when: `(at start …)`, `(over all …)` or `(at end …)`
             "]],
         ),
         (
@@ -191,7 +191,7 @@ fn facts_and_goal_fit_the_domain_or_are_told() {
         error: goal: `(wants nobody pizza)` names `nobody`, which is no object: add it to `(:objects …)`
         error: goal: `pizza` in `(wants nobody pizza)` is no food
         error: goal: no skill knows `(flies ?p)`; there are (at ?loc - location ?interlocutor1 - person) (be-full ?person - person) (has ?chef - person ?food - food) (wants ?chef - person ?food - food)
-        error: goal: `?p` in `(has ?p pizza)` stands for nothing
+        error: goal: `?p` in `(has ?p pizza)` is not declared
         error: goal: `pizza` in `(has ?p pizza)` is no food
     "]].assert_eq(&lines(task(&pool, problem).1));
     expect![[r""]].assert_eq(&lines(task(&pool, HUNGRY).1));

@@ -61,7 +61,7 @@ fn times_are_looked_at() {
     );
     check(
         "0: (load p t a) [2]\n0: (load p t a) [2]\n2: (drive t a b) [5]",
-        &expect!["step 2: it disturbs step 1 at the same moment"],
+        &expect!["step 2: it disturbs step 1, which is simultaneous"],
     );
     check(
         "0: (load p t a) [2]\n2: (drive t a b) [5]\n9: (drive t b a) [5]",
