@@ -160,7 +160,7 @@ pub enum PrepareError {
     },
     /// The launch has `afterwards`, but no `start_from`.
     #[error(
-        "the start says what happens after its first state, but not which that is: name it in `start_from`, or leave `afterwards` out"
+        "the start has `afterwards`, but no first state: name it in `start_from`, or omit `afterwards`"
     )]
     NoFirstState,
 }
@@ -191,7 +191,7 @@ pub enum ResumeError {
     #[error("{}", reason(.0))]
     Journal(Box<JournalError>),
     /// A value that the run needs is damaged.
-    #[error("{}: go on from an entry of its history where it was not needed", reason(.0))]
+    #[error("{}: restart from an entry of its history that does not need the value", reason(.0))]
     DamagedValue(Box<JournalError>),
     /// The run has ended.
     #[error(
@@ -199,7 +199,7 @@ pub enum ResumeError {
     )]
     Ended,
     /// The event is not an entry at which a run can restart.
-    #[error("event {0} is no entry of a state that is safe on disk; the history says which are")]
+    #[error("event {0} is no entry of a state that is safe on disk: choose one from the history")]
     NotAnEntry(u64),
     /// The journal names a machine by an invalid hash.
     #[error("{0} is no hash of a machine")]

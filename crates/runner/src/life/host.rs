@@ -269,7 +269,7 @@ fn conclude<S: Scripts>(driver: &Driver<S>) -> ControlFlow<i32> {
 
 /// Ends a run that cannot get all its threads, and asks its scripts to end.
 pub(crate) fn abandon<S: Scripts>(driver: &Arc<Driver<S>>, error: &io::Error) -> ControlFlow<i32> {
-    let message = format!("the system gave no thread to look after this run, which ends: {error}");
+    let message = format!("cannot start a thread for this run, which ends: {error}");
     driver.record().note_until_over(tell::log(String::new(), LogLevel::Error, message));
     driver.roots().dismiss();
     driver.timers().close();

@@ -166,7 +166,8 @@ impl ResumedPast {
         let (life, crash, policy) = (self.resume_point.life, self.crash.clone(), self.policy);
         driver.record().tell(Event::Resumed { life, crash, policy });
         if let Some(lost) = &self.resume_point.lost {
-            let text = format!("the journal is damaged: {lost}; the run goes on from before");
+            let text =
+                format!("the journal is damaged: {lost}; the run continues from before the damage");
             let line = tell::log(String::new(), LogLevel::Error, text);
             driver.record().note([line]);
         }

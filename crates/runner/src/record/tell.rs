@@ -168,7 +168,7 @@ fn loss_in_protocol(loss: Loss) -> protocol::Loss {
 fn text(note: &Note) -> String {
     match note {
         Note::TypeMismatch { port, expected, found } => format!(
-            "\"{port}\" got a value of type {found} but declares {expected}; the value is passed on all the same"
+            "\"{port}\" got a value of type {found} but declares {expected}; the value is passed on anyway"
         ),
         Note::NoSuchOutcome { returned } => format!(
             "the script returned {returned}, which is neither the id nor the name of an outcome; the state aborts"

@@ -29,7 +29,7 @@ pub enum TalkError {
     #[error(transparent)]
     Version(#[from] rafcon_protocol::VersionMismatch),
     /// The viewer disconnected before its first message.
-    #[error("the viewer went away before it said what to run")]
+    #[error("the viewer disconnected before its first message")]
     Gone,
     /// The viewer's first message is not a join.
     #[error("the viewer's first message is not a join")]

@@ -24,7 +24,7 @@ pub(crate) const VIEWERS_MAX: usize = 64;
 #[derive(Debug, thiserror::Error)]
 enum AdmitError {
     /// The run has no more events to show.
-    #[error("the run is over; its journal tells how it went")]
+    #[error("the run has ended; see its journal")]
     RunOver,
     #[error("{VIEWERS_MAX} viewers are connected; let one of them leave")]
     Full,
