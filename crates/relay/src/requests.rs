@@ -21,7 +21,7 @@ pub enum NotTaken {
     #[error("this server does not receive the robot now: run it as its station (`rafcon station`)")]
     NotReceived,
     /// Too many requests wait.
-    #[error("64 requests to start or resume runs wait for the robot: wait for their answers")]
+    #[error("64 requests to start or resume runs wait for the robot: wait until some are answered")]
     Full,
 }
 

@@ -237,9 +237,9 @@ fn who_has_another_key_or_a_run_of_the_same_name_is_named() {
         station_of(&place, "moon", "127.0.0.1:0")
     };
     let _robot = robot_with(&place, &format!("--robot other --station moon=udp://{at_moon}"));
-    let said = wait_for_link(&place, "moon", "same id");
+    let said = wait_for_link(&place, "moon", "with this id");
     expect![
-        "of this computer with the same id here: move its folder away, and start the station again"
+        "of this computer with this id here: move its folder away, and start the station again"
     ]
     .assert_eq(said.split_once("there is a run ").unwrap().1);
     drop(place.call("tell last stop --runs robot-runs"));

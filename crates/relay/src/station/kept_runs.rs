@@ -434,7 +434,7 @@ impl KeptRun {
         {
             let whose = there.robot.map_or("this computer".to_owned(), |it| format!("robot {it}"));
             let why = format!(
-                "there is a run of {whose} with the same id here: move its folder away, and start the station again"
+                "there is a run of {whose} with this id here: move its folder away, and start the station again"
             );
             return Err(KeepError::Permanent(why));
         }
@@ -528,7 +528,7 @@ impl KeptRun {
                 AboutRecord::About(about) if self.about.is_none() => {
                     check_run_id(&about.id).map_err(|bad| KeepError::Permanent(bad.to_string()))?;
                     if !ids::is_of(stream, &about.id) {
-                        let why = "the robot describes another run in its place: both sides need the same version of rafcon";
+                        let why = "the robot describes another run in its place: use one version of rafcon on both sides";
                         return Err(KeepError::Permanent(why.to_owned()));
                     }
                     let robot = Some(place.robot.clone());

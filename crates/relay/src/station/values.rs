@@ -153,7 +153,8 @@ impl StationValues {
         match other {
             Some(other) if other == key => return,
             Some((run, number)) => {
-                let why = format!("the same bytes are on their way as value {number} of {run}");
+                let why =
+                    format!("these bytes are already being fetched as value {number} of {run}");
                 return self.fail(&key, 0, budget, &why);
             }
             None => {}
@@ -197,9 +198,7 @@ impl StationValues {
     pub(super) fn refused(&mut self, id: ValueId, why: NoValue, session: &mut StationSession) {
         let why = match why {
             NoValue::Gone => "the robot does not have it any more",
-            NoValue::OverBudget => {
-                "its budget is used up by what was lost on the way: fetch it again to go on"
-            }
+            NoValue::OverBudget => "its budget is used up by lost data: fetch it again to continue",
         };
         self.end(id, session, why);
     }
