@@ -37,7 +37,7 @@ pub(crate) enum ChildError {
     #[error("it took longer than {} ms", .0.as_millis())]
     TooLong(Duration),
     /// It exceeded the output limit and was killed.
-    #[error("it said more than {0} bytes")]
+    #[error("it printed more than {0} bytes")]
     TooMuch(u64),
     /// Its pipes or its exit status cannot be read.
     #[error("it cannot be talked with")]
@@ -108,8 +108,8 @@ mod tests {
         check(60_000, "cat; echo no >&2; exit 3", "hello", expect![[r#"Some(3) "hello" "no""#]])
             .await;
         check(60_000, "exit 0", &"x".repeat(1 << 20), expect![[r#"Some(0) "" """#]]).await;
-        check(60_000, "echo 0123456789", "", expect!["it said more than 10 bytes"]).await;
-        check(60_000, "exec cat /dev/zero", "", expect!["it said more than 10 bytes"]).await;
+        check(60_000, "echo 0123456789", "", expect!["it printed more than 10 bytes"]).await;
+        check(60_000, "exec cat /dev/zero", "", expect!["it printed more than 10 bytes"]).await;
         check(50, "exec tail -f /dev/null", "", expect!["it took longer than 50 ms"]).await;
     }
 }

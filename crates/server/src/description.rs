@@ -31,12 +31,12 @@ use utoipa::openapi::{Content, OpenApi, Ref, RefOr};
     )),
     tags(
         (name = "server", description = "The server itself"),
-        (name = "people", description = "Who asks, and who may"),
+        (name = "people", description = "Users, roles, logins and tokens"),
         (name = "files", description = "Projects and libraries as they lie on disk"),
         (name = "machines", description = "Open machines, which several people edit at once"),
         (name = "plans", description = "Plans of engines, as machines"),
-        (name = "runs", description = "Runs while they go on"),
-        (name = "history", description = "What runs leave"),
+        (name = "runs", description = "Active runs: start, state, commands, control"),
+        (name = "history", description = "Recorded runs: events, moments, machines, values"),
     )
 )]
 struct Head;
@@ -120,7 +120,7 @@ fn add_keys(components: &mut Components) {
         .build();
     let login = ApiKeyValue::with_description(
         "rafcon_4747",
-        "What a login gives a browser; the name ends with the server's port",
+        "Session cookie of a login; its name ends with the server's port",
     );
     let schemes = &mut components.security_schemes;
     schemes.insert("token".to_owned(), RefOr::T(SecurityScheme::Http(token)));

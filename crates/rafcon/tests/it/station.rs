@@ -427,7 +427,7 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
     let firsts = said.lines().map(|line| line.split([',', ':']).take(2).collect::<Vec<_>>());
     let words = firsts.map(|parts| match parts[..] {
         [first @ ("error" | "refused"), second] => {
-            format!("{first}:{}\n", second.split(" was heard").next().unwrap())
+            format!("{first}:{}\n", second.split(" was active").next().unwrap())
         }
         _ => format!("{}\n", parts[0]),
     });
@@ -457,7 +457,7 @@ fn a_stop_that_the_robot_does_not_answer_ends_no_program_at_the_station() {
     let at_station =
         |words: &str| place.call(&format!("{words} --server {} --state ground", ground.url)).stderr;
     expect![[r"
-        it is not known whether the command was carried out: the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id
+        it is not known whether the command was carried out: the robot has not answered yet; the station repeats the request until it expires: send it again with its id
     "]]
     .assert_eq(&at_station("tell last stop"));
     assert_eq!(at_station("control last show"), "");

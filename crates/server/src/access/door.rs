@@ -127,8 +127,7 @@ fn host(request: &Request) -> Result<Option<&str>, Failure> {
     let target = request.uri().authority().map(axum::http::uri::Authority::as_str);
     let differ = matches!((named, target), (Some(named), Some(target)) if named != target);
     if second.is_some() || differ {
-        let message =
-            "the request names two hosts: send one `Host` header, and the same name in the target";
+        let message = "the request names two hosts: send one `Host` header that matches the host in the target";
         return Err(Failure::bad("two_hosts", message));
     }
     Ok(named.or(target))

@@ -39,7 +39,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
     (status = 400, description = "The body does not fit", body = Refusal),
     (status = 401, description = "No such user, or another password", body = Refusal),
     (status = 413, description = "The body is too large", body = Refusal),
-    (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
+    (status = 429, description = "Too many attempts: wait for the time in `Retry-After`", body = Refusal),
 ))]
 async fn log_in(
     State(server): State<Arc<ServerState>>,
@@ -71,7 +71,7 @@ async fn session(who: Who) -> Json<Session> {
 /// Ends the login of this request.
 #[utoipa::path(delete, path = "/api/v1/session", tag = "people", responses(
     (status = 204, description = "Logged out"),
-    (status = 409, description = "Who asks is let in by a token", body = Refusal),
+    (status = 409, description = "The request uses a token instead of a login", body = Refusal),
 ))]
 async fn log_out(State(server): State<Arc<ServerState>>, who: Who) -> Result<StatusCode, Failure> {
     server.people().end(&who)?;
@@ -85,10 +85,10 @@ async fn log_out(State(server): State<Arc<ServerState>>, who: Who) -> Result<Sta
 #[utoipa::path(put, path = "/api/v1/session/password", tag = "people", request_body = ChangePassword, responses(
     (status = 204, description = "Changed"),
     (status = 400, description = "The body does not fit, or the new password is too short", body = Refusal),
-    (status = 401, description = "This is not the password so far", body = Refusal),
-    (status = 409, description = "Who asks is let in by a token", body = Refusal),
+    (status = 401, description = "The current password is wrong", body = Refusal),
+    (status = 409, description = "The request uses a token instead of a login", body = Refusal),
     (status = 413, description = "The body is too large", body = Refusal),
-    (status = 429, description = "Too many tries: wait as long as `Retry-After` says", body = Refusal),
+    (status = 429, description = "Too many attempts: wait for the time in `Retry-After`", body = Refusal),
 ))]
 async fn change_password(
     State(server): State<Arc<ServerState>>,
@@ -120,10 +120,10 @@ async fn tokens(State(server): State<Arc<ServerState>>, who: Who) -> Json<Vec<To
 ///
 /// Requires a login or the owner's token: a stolen token must not make others.
 #[utoipa::path(post, path = "/api/v1/tokens", tag = "people", request_body = NewToken, responses(
-    (status = 201, description = "The only time that its secret is told", body = TokenMade),
+    (status = 201, description = "The token with its secret, which is shown only once", body = TokenMade),
     (status = 400, description = "The body does not fit", body = Refusal),
     (status = 403, description = "A role beyond one's own", body = Refusal),
-    (status = 409, description = "Who asks is let in by a token, or has too many", body = Refusal),
+    (status = 409, description = "The request uses a token instead of a login, or the user has too many tokens", body = Refusal),
     (status = 413, description = "The body is too large", body = Refusal),
 ))]
 async fn make_token(

@@ -40,7 +40,7 @@ pub enum UsersError {
     )]
     BadPassword,
     /// The token's name is not valid.
-    #[error("a token has a name of 1 to {TOKEN_NAME_MAX} characters, which says what it is for")]
+    #[error("a token needs a name of 1 to {TOKEN_NAME_MAX} characters that describes its purpose")]
     BadTokenName,
 }
 

@@ -53,7 +53,7 @@ pub(super) fn write(
     save(machine, folder, previous, naming).map_err(|error| match &error {
         SaveError::Io { source, .. } => {
             let message =
-                format!("{}; {}; nothing has changed there", reason(&error), remedy(source));
+                format!("{}; {}; the files there are unchanged", reason(&error), remedy(source));
             Failure::unavailable("not_saved", message)
         }
         SaveError::Linked { .. } => Failure::conflict("linked_files", error.to_string()),

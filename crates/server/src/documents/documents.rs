@@ -271,7 +271,10 @@ impl Documents {
     pub(crate) fn look(&self, server: &ServerState, folder: &Path) {
         let Some(session) = self.room_of(folder) else { return };
         if let Err(failure) = session.look(&server.projects.libraries()) {
-            crate::log::say(&format!("{} cannot be looked at: {failure}", folder.display()));
+            crate::log::say(&format!(
+                "{} cannot be checked for changes: {failure}",
+                folder.display()
+            ));
         }
         server.news.machines();
     }

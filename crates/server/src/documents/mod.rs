@@ -6,7 +6,7 @@ mod broadcast;
 mod disk;
 #[expect(
     clippy::module_inception,
-    reason = "the type that holds all open machines stands in the file of its name"
+    reason = "the file has the name of the type that holds all open machines"
 )]
 mod documents;
 mod draft;

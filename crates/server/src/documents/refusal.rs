@@ -23,7 +23,7 @@ pub(super) enum OperationRefusal {
     BuiltUpon { kind: RevisionKind, step: String, by: String, later: String, place: String },
     /// Another user moved the element as well.
     #[error(
-        "`{step}` cannot be {}: somebody else has moved the same part of {path} since; move it by hand",
+        "`{step}` cannot be {}: another user has moved this part of {path} since; move it by hand",
         done(*.kind)
     )]
     MovedMeanwhile { kind: RevisionKind, step: String, path: StatePath },
@@ -34,13 +34,11 @@ pub(super) enum OperationRefusal {
     #[error("the machine already is what it was then")]
     AlreadyThere,
     /// The revision is no longer stored, or never existed.
-    #[error(
-        "the machine as it was at revision {0} is not kept any more: the steps tell which ones are"
-    )]
+    #[error("revision {0} of the machine is no longer kept: choose one from the list of steps")]
     NotKept(u64),
     /// A jump would revert steps of other users; the count is per author.
     #[error(
-        "this takes {} away: ask them, or say `over_others`; a jump can be taken back",
+        "this reverts {}: ask them first, or set `over_others`; a jump can be taken back",
         counted(.0)
     )]
     OthersEdits(BTreeMap<String, usize>),

@@ -93,7 +93,7 @@ async fn open(
 #[utoipa::path(get, path = "/api/v1/machines/{machine}", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
-        (status = 200, description = "How it stands", body = MachineStatus),
+        (status = 200, description = "Status of the machine", body = MachineStatus),
         (status = 404, description = "It is not open", body = Refusal),
     )
 )]
@@ -190,7 +190,7 @@ async fn copy(
         (status = 200, description = "It was made", body = Done),
         (status = 400, description = "It cannot be read", body = Refusal),
         (status = 404, description = "The machine is not open", body = Refusal),
-        (status = 409, description = "What it is about is not there, or is taken", body = Refusal),
+        (status = 409, description = "The edited element does not exist, or a new id is taken", body = Refusal),
         (status = 413, description = "The body is too large", body = Refusal),
         (status = 422, description = "It would break a rule of the machine", body = Refusal),
         (status = 503, description = "It cannot be written down, so that it was not made", body = Refusal),
@@ -292,7 +292,7 @@ async fn jump(
         (status = 403, description = "The path leads out of the project", body = Refusal),
         (status = 404, description = "The machine is not open, or there is no such project", body = Refusal),
         (status = 409, description = "Another program changed the files, or something is in the way", body = Refusal),
-        (status = 422, description = "What lies there cannot be read", body = Refusal),
+        (status = 422, description = "The files there cannot be read", body = Refusal),
         (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
         (status = 503, description = "It cannot be written", body = Refusal),
     )

@@ -244,7 +244,7 @@ fn layouts_are_merged_element_by_element() {
         ann: 4
         bob: 5
         bob: 6
-        ann: built_upon: `set_position` cannot be taken back: somebody else has moved the same part of ROOT since; move it by hand
+        ann: built_upon: `set_position` cannot be taken back: another user has moved this part of ROOT since; move it by hand
         hierarchy ROOT
           outcome success
           in a: int
@@ -302,7 +302,7 @@ fn steps_are_a_tree_and_a_jump_leads_to_any_node() {
         &[&one, &two, "ann <", &other, "ann @2", "ann @0", "ann <", "ann @7", "ann @99", &one],
         &expect![[r#"
             ann: nothing_to_do: the machine already is what it was then
-            ann: not_kept: the machine as it was at revision 99 is not kept any more: the steps tell which ones are
+            ann: not_kept: revision 99 of the machine is no longer kept: choose one from the list of steps
             1 Edit ann set_name
             2 Edit ann set_name
             3 = 1 Undo ann set_name
@@ -323,8 +323,8 @@ fn a_jump_takes_steps_of_others_away_only_if_that_is_said() {
     check_steps(
         &[anns, bobs, more, "ann <", "ann @1", "bob @1", "ann @!1", "bob <", "ann <", "bob <"],
         &expect![[r#"
-            ann: others_edits: this takes 2 steps of bob away: ask them, or say `over_others`; a jump can be taken back
-            bob: others_edits: this takes 1 step of ann away: ask them, or say `over_others`; a jump can be taken back
+            ann: others_edits: this reverts 2 steps of bob: ask them first, or set `over_others`; a jump can be taken back
+            bob: others_edits: this reverts 1 step of ann: ask them first, or set `over_others`; a jump can be taken back
             bob: built_upon: `set_name` cannot be taken back: ann has changed the name of ROOT/BBBBBB since (`Jump to "set_name"`); ask for that to be taken back first, or change it by hand
             1 Edit ann set_name
             2 Edit bob set_name

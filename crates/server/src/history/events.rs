@@ -78,8 +78,9 @@ pub(super) fn count(wanted: Option<u32>) -> Result<usize, Failure> {
     if (1..=COUNT_MAX).contains(&count) {
         return Ok(usize::try_from(count).unwrap_or(1));
     }
-    let message =
-        format!("a page has 1 to {COUNT_MAX} of them: ask for {COUNT_MAX} and go on from `next`");
+    let message = format!(
+        "a page has 1 to {COUNT_MAX} entries: request {COUNT_MAX} and continue from `next`"
+    );
     Err(Failure::bad("bad_count", message))
 }
 
@@ -185,7 +186,7 @@ fn values(
 }
 
 pub(super) fn no_such_event(sequence: u64) -> Failure {
-    let message = format!("the run has no event {sequence}: its events say which there are");
+    let message = format!("the run has no event {sequence}: take a number from its list of events");
     Failure::not_found("no_such_event", message)
 }
 

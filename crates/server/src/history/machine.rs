@@ -68,7 +68,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 #[utoipa::path(get, path = "/api/v1/runs/{run}/machine", tag = "history",
     params(("run" = String, Path, description = "The run's id"), KeptMachineQuery),
     responses(
-        (status = 200, description = "What the run has kept", body = Document),
+        (status = 200, description = "The machine or library, as the run stored it", body = Document),
         (status = 400, description = "This is no hash", body = Refusal),
         (status = 404, description = "There is no such run, or it has kept no such machine or library", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
@@ -137,7 +137,7 @@ async fn began_with(server: &ServerState, run: &str, folder: &FilePath) -> Resul
 fn parse(text: &str) -> Result<Hash, Failure> {
     Hash::parse(text).ok_or_else(|| {
         let message =
-            format!("`{text}` is no hash of a machine: events `root` and moments say them");
+            format!("`{text}` is no hash of a machine: take one from a `root` event or a moment");
         Failure::bad("bad_hash", message)
     })
 }
@@ -218,8 +218,9 @@ fn library_folder(packed: &Packed, library: &str) -> Result<String, Failure> {
     let folder =
         library.rsplit_once('/').and_then(|(path, name)| packed.library_folder(path, name));
     folder.ok_or_else(|| {
-        let message =
-            format!("the run has kept no library `{library}`: a library state says path and name");
+        let message = format!(
+            "the run has kept no library `{library}`: take path and name from a library state"
+        );
         Failure::not_found("no_such_library", message)
     })
 }

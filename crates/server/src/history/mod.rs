@@ -84,7 +84,7 @@ impl Json {
     /// Serializes the response. Call it on a blocking thread.
     fn of(answer: &impl Serialize) -> Result<Self, Failure> {
         let failed = |error: serde_json::Error| {
-            let message = format!("what the journal says cannot be written as JSON: {error}");
+            let message = format!("the journal's content cannot be converted to JSON: {error}");
             Failure::unprocessable("journal_damaged", message)
         };
         Ok(Self(serde_json::to_vec(answer).map_err(failed)?.into()))

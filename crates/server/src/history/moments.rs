@@ -27,7 +27,7 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         ("sequence" = u64, Path, description = "The event"),
     ),
     responses(
-        (status = 200, description = "What was active, with which data, and what was set, asked and held", body = Moment),
+        (status = 200, description = "Active states with their data, breakpoints, questions and holds", body = Moment),
         (status = 400, description = "This is no number", body = Refusal),
         (status = 404, description = "There is no such run or event, or the event was given up", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),
@@ -82,10 +82,10 @@ fn picture(reader: &mut Reader, sequence: u64) -> Result<Json, Failure> {
 #[utoipa::path(get, path = "/api/v1/runs/{run}/values/{value}", tag = "history",
     params(
         ("run" = String, Path, description = "The run's id"),
-        ("value" = u64, Path, description = "The value's number, as an event by itself says it"),
+        ("value" = u64, Path, description = "The value's number, from the details of an event"),
     ),
     responses(
-        (status = 200, description = "What can be shown of it. Pickles are never sent", body = KeptValue),
+        (status = 200, description = "View of the value. Pickles are never sent", body = KeptValue),
         (status = 400, description = "This is no number", body = Refusal),
         (status = 404, description = "There is no such run or value, or the value was given up", body = Refusal),
         (status = 422, description = "The journal is damaged, or of a newer version", body = Refusal),

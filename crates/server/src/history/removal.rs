@@ -26,10 +26,10 @@ pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 #[utoipa::path(delete, path = "/api/v1/runs/{run}", tag = "history",
     params(("run" = String, Path, description = "The run's id")),
     responses(
-        (status = 200, description = "It is gone", body = Pruned),
+        (status = 200, description = "The run was deleted", body = Pruned),
         (status = 400, description = "The address makes no sense", body = Refusal),
         (status = 404, description = "There is no such run", body = Refusal),
-        (status = 409, description = "The run goes on", body = Refusal),
+        (status = 409, description = "The run is active", body = Refusal),
         (status = 503, description = "The run cannot be deleted now", body = Refusal),
     )
 )]
@@ -38,7 +38,7 @@ async fn delete(
     Path(run): Path<String>,
 ) -> Result<Json<Pruned>, Failure> {
     if server.runs.get(&run).await?.is_live() {
-        let message = format!("the run {run} goes on: stop it first");
+        let message = format!("the run {run} is active: stop it first");
         return Err(Failure::conflict("run_goes_on", message));
     }
     let folder = folder(&server, &run).await?;
@@ -60,7 +60,7 @@ async fn delete(
 /// An omitted limit means unlimited. The 10 newest runs and all active runs are never deleted.
 #[utoipa::path(post, path = "/api/v1/runs/prune", tag = "history", request_body = Retention,
     responses(
-        (status = 200, description = "The runs that are gone", body = [Pruned]),
+        (status = 200, description = "The deleted runs", body = [Pruned]),
         (status = 400, description = "The body makes no sense", body = Refusal),
         (status = 413, description = "The body is too large", body = Refusal),
         (status = 503, description = "A run cannot be deleted now", body = Refusal),

@@ -138,7 +138,7 @@ async fn hits(
 ) -> Result<Json, Failure> {
     let count = bounded(query.count, COUNT_MAX)?;
     if query.text.trim().is_empty() {
-        return Err(Failure::bad("no_text", "there is nothing to search for: say a `text`"));
+        return Err(Failure::bad("no_text", "the search has no text: set `text`"));
     }
     let folder = folder(&server, &run).await?;
     let found = move |reader: &mut Reader| {

@@ -84,7 +84,7 @@ async fn read(settings: &Settings, texts: &[&str]) -> Result<Vec<Facts>, String>
         format!("the interpreter `{interpreter}`: {error}; {}", interpreter.way_out())
     })?;
     read_facts(&said.output, texts.len()).map_err(|error| {
-        let last = said.error.lines().last().unwrap_or("it said nothing else");
+        let last = said.error.lines().last().unwrap_or("it printed nothing else");
         format!("the interpreter `{interpreter}`: {error}; {last}")
     })
 }

@@ -61,7 +61,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
 
 /// Checks a script with Python's parser and against the given state. It is never run.
 #[utoipa::path(post, path = "/api/v1/python/check", tag = "files", request_body = CheckScript, responses(
-    (status = 200, description = "Errors and warnings by their place; none if there are none", body = [ScriptProblem]),
+    (status = 200, description = "Errors and warnings by their place; empty if the script has no problems", body = [ScriptProblem]),
     (status = 404, description = "The machine of the state is not open", body = Refusal),
     (status = 413, description = "The script is too long", body = Refusal),
     (status = 422, description = "There is no Python, or it does not come to an end", body = Refusal),
@@ -72,8 +72,7 @@ async fn check(
     Body(CheckScript { script, state }): Body<CheckScript>,
 ) -> Result<Json<Vec<ScriptProblem>>, Failure> {
     if script.len() > BYTES_MAX {
-        let message =
-            format!("a script of more than {BYTES_MAX} bytes is not looked at: divide it");
+        let message = format!("a script of more than {BYTES_MAX} bytes is not checked: divide it");
         return Err(Failure::too_large("too_large", message));
     }
     let at = Arc::clone(&server);
@@ -120,12 +119,12 @@ async fn look(settings: &Settings, script: &str) -> Result<Vec<ScriptProblem>, F
         unchecked(&format!("the interpreter `{interpreter}`: {why}; {way_out}"))
     })?;
     serde_json::from_slice(&said.output).map_err(|_unread| {
-        let last = said.error.lines().last().unwrap_or("it said nothing").to_owned();
+        let last = said.error.lines().last().unwrap_or("it printed nothing").to_owned();
         unchecked(&format!("the interpreter `{interpreter}` ended with {}: {last}", said.status))
     })
 }
 
 fn unchecked(why: &str) -> Failure {
-    let message = format!("the script cannot be looked at: {why}");
+    let message = format!("the script cannot be checked: {why}");
     Failure::unprocessable("not_checked", message)
 }

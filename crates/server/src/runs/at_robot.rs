@@ -57,7 +57,7 @@ pub(super) async fn carry_out(
         Ok(Ok(RobotAnswer::Unknown { reason })) => Err(Failure::conflict("fate_unknown", reason)),
         Ok(Err(_)) | Err(_) => {
             let message = format!(
-                "robot {robot} has not answered yet; the station repeats the request until it expires: repeat it with the same id"
+                "robot {robot} has not answered yet; the station repeats the request until it expires: send it again with its id"
             );
             Err(Failure::unavailable("not_finished", message))
         }

@@ -54,7 +54,7 @@ async fn command_list(
         (status = 200, description = "The list, as it is stored", body = CommandList),
         (status = 400, description = "It is no list of commands; the message names the line", body = Refusal),
         (status = 404, description = "This server receives no such robot", body = Refusal),
-        (status = 409, description = "The list has another revision; nothing was changed", body = Refusal),
+        (status = 409, description = "The list has another revision, and was not changed", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 503, description = "The list cannot be stored, or the station does not answer", body = Refusal),
     )
@@ -87,7 +87,7 @@ async fn set_command_list(
         (status = 200, description = "The released list, with the fate of each command", body = CommandList),
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 404, description = "This server receives no such robot", body = Refusal),
-        (status = 409, description = "The list was changed since it was reviewed, or has a fault; nothing was sent", body = Refusal),
+        (status = 409, description = "The list was changed since it was reviewed, or has a fault; no command was sent", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 503, description = "The release cannot be stored, or the station does not answer", body = Refusal),
     )

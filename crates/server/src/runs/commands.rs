@@ -99,7 +99,7 @@ pub(crate) async fn control(
 ) -> Result<Control, Failure> {
     let run = server.runs.get(run).await?;
     if !run.is_live() {
-        let message = "nobody commands a run that does not go on: resume it, or start another";
+        let message = "the run is not active and accepts no commands: resume it, or start another";
         return Err(Failure::conflict("run_is_not_live", message));
     }
     match wanted {
@@ -282,7 +282,8 @@ fn not_sent(why: NotSent) -> Failure {
     match why {
         NotSent::Gone => link_lost(),
         NotSent::Busy => {
-            let message = "too many commands are on their way to this run: wait for their answers";
+            let message =
+                "too many commands are on their way to this run: wait until some are answered";
             Failure::too_many("too_many_commands", message)
         }
     }
@@ -290,27 +291,27 @@ fn not_sent(why: NotSent) -> Failure {
 
 /// The remote robot has not replied.
 fn robot_late() -> Failure {
-    let message = "the robot has not answered yet: what was asked is sent to it until it answers or its time is over; ask again with the same id";
+    let message = "the robot has not answered yet; the station repeats the request until it expires: send it again with its id";
     Failure::unavailable("no_answer", message)
 }
 
 const LINK_LOST: &str = "link_lost";
 
 fn link_lost() -> Failure {
-    let message = "the connection to the runner is down: ask again with the same id, it is carried out once at most";
+    let message = "the connection to the runner is down: send the request again with its id, it is carried out once at most";
     Failure::unavailable(LINK_LOST, message)
 }
 
 fn late() -> Failure {
     let message = format!(
-        "the runner did not answer within {} s: ask again with the same id, it is carried out once at most",
+        "the runner did not answer within {} s: send the request again with its id, it is carried out once at most",
         COMMAND_TIMEOUT.as_secs()
     );
     Failure::unavailable("no_answer", message)
 }
 
 fn not_spoken_with(error: &LinkError) -> Failure {
-    let message = format!("{}: ask again with the same id", reason(error));
+    let message = format!("{}: send the request again with its id", reason(error));
     Failure::unavailable(LINK_LOST, message)
 }
 
@@ -336,7 +337,7 @@ async fn answered_before(
 pub(super) fn not_live(phase: &RunPhase) -> Failure {
     let message = match phase {
         RunPhase::Crashed => "the runner of this run is dead: resume the run (POST …/resume)",
-        _ => "the run is over: its history tells how it went",
+        _ => "the run has ended: see its history",
     };
     Failure::conflict("run_is_not_live", message)
 }
@@ -353,7 +354,8 @@ pub(crate) async fn inspect(
     }
     // Held until the connection is closed.
     let _permit = run.inspection_permit().ok_or_else(|| {
-        let message = "too many ask what states of this run hold: wait for their answers";
+        let message =
+            "too many requests for the data of this run's states: wait until some are answered";
         Failure::too_many("too_many_questions", message).retry_after(1)
     })?;
     let asked = timeout(COMMAND_TIMEOUT, talk::inspect(run.folder().to_path_buf(), path)).await;

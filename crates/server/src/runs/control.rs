@@ -60,7 +60,7 @@ pub(super) enum Denied {
     },
     /// The holder was active recently.
     #[error(
-        "{holder} was heard {heard_s} s ago: control can be taken over after {silence_s} s of silence; request it meanwhile"
+        "{holder} was active {heard_s} s ago: control can be taken over after {silence_s} s of silence; request it meanwhile"
     )]
     Heard {
         /// The user who holds control.

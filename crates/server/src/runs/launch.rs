@@ -36,7 +36,7 @@ pub(super) enum LaunchError {
     #[error(transparent)]
     Start(#[from] StartError),
     /// No thread is available to wait for its exit.
-    #[error("the system gave no thread to look after the runner")]
+    #[error("cannot start a thread to supervise the runner")]
     Thread(#[source] io::Error),
     /// The request could not be sent to it.
     #[error(transparent)]

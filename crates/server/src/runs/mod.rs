@@ -223,7 +223,7 @@ impl Runs {
         let gone = self.all.lock().remove(&*id);
         if let Some(run) = gone {
             // Notifies its remaining viewers.
-            run.set_phase(RunPhase::Unreadable { reason: "its folder is gone".to_owned() });
+            run.set_phase(RunPhase::Unreadable { reason: "its folder is missing".to_owned() });
         }
     }
 }

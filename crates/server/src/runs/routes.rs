@@ -90,10 +90,10 @@ async fn now(
 #[utoipa::path(post, path = "/api/v1/runs/{run}/resume", tag = "runs", request_body = ResumeRun,
     params(("run" = String, Path, description = "The run's id")),
     responses(
-        (status = 200, description = "The run goes on, or did once by this id", body = RunSummary),
+        (status = 200, description = "The run was resumed, now or earlier by this id", body = RunSummary),
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 404, description = "There is no such run", body = Refusal),
-        (status = 409, description = "It goes on, has ended, or somebody else commands", body = Refusal),
+        (status = 409, description = "It is active, has ended, or another user is in control", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 422, description = "It cannot be resumed", body = Refusal),
         (status = 429, description = "Too many runs are being started", body = Refusal),
@@ -168,14 +168,14 @@ async fn begin_at_robot(
 #[utoipa::path(post, path = "/api/v1/runs/{run}/commands", tag = "runs", request_body = Envelope,
     params(("run" = String, Path, description = "The run's id")),
     responses(
-        (status = 200, description = "What became of it", body = CommandAnswer),
+        (status = 200, description = "Result of the command", body = CommandAnswer),
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 403, description = "This command needs a right that you lack", body = Refusal),
         (status = 404, description = "There is no such run", body = Refusal),
-        (status = 409, description = "The run does not go on, or somebody else commands", body = Refusal),
+        (status = 409, description = "The run is not active, or another user is in control", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
         (status = 429, description = "Too many commands are on their way", body = Refusal),
-        (status = 503, description = "The runner cannot be reached: ask again with the same id", body = Refusal),
+        (status = 503, description = "The runner cannot be reached: send the command again with its id", body = Refusal),
     )
 )]
 async fn command(
@@ -208,10 +208,10 @@ async fn control(
 #[utoipa::path(post, path = "/api/v1/runs/{run}/control", tag = "runs", request_body = ControlMove,
     params(("run" = String, Path, description = "The run's id")),
     responses(
-        (status = 200, description = "Who holds control now", body = Control),
+        (status = 200, description = "Current control of the run", body = Control),
         (status = 400, description = "Something is wrong with the request itself", body = Refusal),
         (status = 404, description = "There is no such run", body = Refusal),
-        (status = 409, description = "The run does not go on, or this is not yours to do", body = Refusal),
+        (status = 409, description = "The run is not active, or your state of control does not allow this", body = Refusal),
         (status = 413, description = "The request is too large", body = Refusal),
     )
 )]
@@ -231,7 +231,7 @@ async fn move_control(
         (status = 200, description = "Its inputs, the defaults of its outputs, its scoped variables", body = StateData),
         (status = 400, description = "The query does not fit", body = Refusal),
         (status = 404, description = "There is no such run, or the state is not active", body = Refusal),
-        (status = 409, description = "The run does not go on", body = Refusal),
+        (status = 409, description = "The run is not active", body = Refusal),
         (status = 429, description = "Too many ask what states of this run hold", body = Refusal),
         (status = 503, description = "The runner cannot be reached", body = Refusal),
     )
@@ -270,7 +270,7 @@ async fn breakpoints(
 #[utoipa::path(get, path = "/api/v1/runs/{run}/questions", tag = "runs",
     params(("run" = String, Path, description = "The run's id")),
     responses(
-        (status = 200, description = "None, if the run does not go on", body = [Question]),
+        (status = 200, description = "Open questions; empty if the run is not active", body = [Question]),
         (status = 404, description = "There is no such run", body = Refusal),
     )
 )]

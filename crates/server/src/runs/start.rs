@@ -111,7 +111,7 @@ pub(super) async fn to_its_end(
     request: impl Future<Output = Result<RunSummary, Failure>> + Send + 'static,
 ) -> Result<RunSummary, Failure> {
     tokio::spawn(request).await.unwrap_or_else(|_stopped| {
-        let message = "the server could not finish this request: ask again with the same id";
+        let message = "the server could not finish this request: send it again with its id";
         Err(Failure::unavailable(NOT_FINISHED, message))
     })
 }
@@ -201,7 +201,7 @@ async fn settled(server: &Arc<ServerState>, folder: &Path) -> Result<Option<Arc<
         .await
         .map_err(|_late| {
             let message =
-                "the run of this request is still being started: ask again with the same id";
+                "the run of this request is still being started: send it again with its id";
             Failure::unavailable(NOT_FINISHED, message)
         })?;
     if let Some(run) = run.as_ref().filter(|run| run.is_live()) {
@@ -259,7 +259,7 @@ pub(super) fn unless_expired(expiry_ms: Option<u64>) -> Result<(), Failure> {
 }
 
 fn not_kept(folder: &Path) -> Failure {
-    let message = format!("the folder of the run that was started is gone: {}", folder.display());
+    let message = format!("the folder of the started run is missing: {}", folder.display());
     Failure::conflict("run_is_gone", message)
 }
 

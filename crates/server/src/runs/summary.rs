@@ -11,7 +11,7 @@ use rafcon_supervisor::is_alive;
 use std::path::Path;
 
 /// Reason in the phase of a requested run that has not begun.
-const NOT_BEGUN: &str = "its server or its runner ended before it had begun; the same request, with the same id, starts it";
+const NOT_BEGUN: &str = "its server or its runner ended before it had begun; send the request again with its id to start it";
 
 /// Result of reading a folder.
 #[derive(Debug, Clone, PartialEq)]

@@ -213,7 +213,7 @@ impl Connection {
 
 fn unreadable(error: &axum::Error) -> Failure {
     let message = format!(
-        "what came cannot be read ({error}): a frame is text of at most 1 MiB; connect again and go on from your cursors"
+        "the frame cannot be read ({error}): a frame is text of at most 1 MiB; reconnect and continue from your cursors"
     );
     Failure::bad("unreadable", message)
 }

@@ -256,7 +256,7 @@ fn lacking(phase: &RunPhase) -> Option<Failure> {
 
 fn lacks(from: u64) -> Failure {
     let message = format!(
-        "the run's journal ends before event {from}, which its runner told of: its folder was changed, or its disk has lost something"
+        "the run's journal ends before event {from}, which its runner has reported: its folder was changed, or its disk has lost data"
     );
     Failure::conflict("journal_too_short", message)
 }

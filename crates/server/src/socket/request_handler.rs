@@ -208,7 +208,7 @@ pub(super) fn now_ms() -> u64 {
 }
 
 fn closes() -> Failure {
-    let message = "the server ends; runs go on: connect again and go on from your cursors";
+    let message = "the server shuts down; runs continue: reconnect and continue from your cursors";
     Failure::unavailable("server_ends", message)
 }
 
@@ -219,7 +219,7 @@ fn not_known_any_more() -> Failure {
 
 fn other_role(who: &Who) -> Failure {
     let role = format!("{:?}", who.role).to_lowercase();
-    let message = format!("{} is {role} now: connect again to go on as such", who.user);
+    let message = format!("{} is {role} now: reconnect to use this role", who.user);
     Failure::forbidden("other_role", message)
 }
 

@@ -127,7 +127,7 @@ fn look(machine: String, selection: Vec<String>) -> ClientRequest {
 
 fn in_use(subscription: u32) -> Failure {
     let message = format!(
-        "subscription {subscription} is there already: unsubscribe it first, or choose another number"
+        "subscription {subscription} exists already: unsubscribe it first, or choose another number"
     );
     Failure::conflict("subscription_in_use", message)
 }

@@ -220,7 +220,7 @@ fn commands_and_edits_that_nobody_can_carry_out_are_refused() {
         ],
         &expect![[r#"
             {"frame":"refused","id":"c1","refusal":{"code":"no_such_run","message":"there is no run `none`: GET /api/v1/runs lists them"}}
-            {"frame":"refused","id":"c2","refusal":{"code":"run_is_not_live","message":"the run is over: its history tells how it went"}}
+            {"frame":"refused","id":"c2","refusal":{"code":"run_is_not_live","message":"the run has ended: see its history"}}
             {"frame":"refused","id":"u1","refusal":{"code":"no_such_machine","message":"no machine `m` is open: POST /api/v1/machines/open opens one"}}
         "#]],
     );

@@ -25,7 +25,7 @@ export async function jumpTo(host: PanelHost, tab: OpenTab, revision: number): P
   }
 }
 
-/** Such as `this takes 1 step of anna away`: the refusal without its hint for programs. */
+/** Such as `this reverts 1 step of anna`: the refusal without its hint for programs. */
 function whatGoes(refusal: string): string {
   return refusal.split(":")[0] ?? refusal;
 }

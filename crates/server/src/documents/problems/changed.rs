@@ -53,12 +53,12 @@ fn note(
     });
     let mut what: Vec<String> = version
         .map(|(wanted, found)| {
-            format!("the state was made with version {wanted}, and it is {found}")
+            format!("the state was made with version {wanted}, found version {found}")
         })
         .into_iter()
         .collect();
     match &library.content {
-        LibraryContent::Missing { .. } => what.push("it was missing, and is there".to_owned()),
+        LibraryContent::Missing { .. } => what.push("it was missing, and now exists".to_owned()),
         LibraryContent::Found(old) if compared.compare(old, new) => {}
         LibraryContent::Found(_) => what.extend(differences(state, &now)),
     }

@@ -64,7 +64,7 @@ async fn export(
         ("draft" = String, Path, description = "The draft's id"),
     ),
     responses(
-        (status = 200, description = "It is gone"),
+        (status = 200, description = "The draft was removed"),
         (status = 404, description = "The machine is not open, or there is no such draft", body = Refusal),
         (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
         (status = 503, description = "It cannot be removed", body = Refusal),

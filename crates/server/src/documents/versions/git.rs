@@ -196,7 +196,7 @@ fn refused(why: &str) -> Failure {
         "the repository belongs to another user than the server: start the server as that user"
             .to_owned()
     } else {
-        format!("git does not tell what it knows: {why}")
+        format!("git cannot read the history: {why}")
     };
     Failure::unprocessable("git_refused", message)
 }

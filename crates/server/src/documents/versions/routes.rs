@@ -41,9 +41,9 @@ async fn saved(
 #[utoipa::path(get, path = "/api/v1/machines/{machine}/versions", tag = "machines",
     params(("machine" = String, Path, description = "The machine's id")),
     responses(
-        (status = 200, description = "The newest first; none where there is no git", body = MachineVersions),
+        (status = 200, description = "The newest first; empty outside a git repository", body = MachineVersions),
         (status = 404, description = "It is not open", body = Refusal),
-        (status = 422, description = "Git does not tell them", body = Refusal),
+        (status = 422, description = "Git cannot read the history", body = Refusal),
         (status = 429, description = "Too many ask for the like at the moment", body = Refusal),
     )
 )]

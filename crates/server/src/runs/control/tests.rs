@@ -347,7 +347,7 @@ fn control_changes_hands() {
             4 cy releases -> bob []
             5 bob takes-over -> bob []
             20 bob heard -> bob []
-            40 ana takes-over -> bob []: bob was heard 20 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            40 ana takes-over -> bob []: bob was active 20 s ago: control can be taken over after 30 s of silence; request it meanwhile
             50 ana takes-over -> ana []
         "#]],
     );
@@ -411,10 +411,10 @@ fn a_calendar_that_is_set_makes_nobody_silent_and_nobody_heard() {
         &expect![[r"
             1 ana commands -> ana []
             3602 root sets-3600 -> ana []
-            3610 bob takes-over -> ana []: ana was heard 9 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            3610 bob takes-over -> ana []: ana was active 9 s ago: control can be taken over after 30 s of silence; request it meanwhile
             3640 bob takes-over -> bob []
             41 root sets--3600 -> bob []
-            50 ana takes-over -> bob []: bob was heard 10 s ago: control can be taken over after 30 s of silence; request it meanwhile
+            50 ana takes-over -> bob []: bob was active 10 s ago: control can be taken over after 30 s of silence; request it meanwhile
             71 ana takes-over -> ana []
         "]],
     );

@@ -37,7 +37,7 @@ fn a_number_is_one_subscription_at_a_time() {
         "#,
         &expect![[r#"
             Begin(1, RunHistory { run: "r", from: 7, values: true })
-            {"frame":"refused","id":null,"refusal":{"code":"subscription_in_use","message":"subscription 1 is there already: unsubscribe it first, or choose another number"}}
+            {"frame":"refused","id":null,"refusal":{"code":"subscription_in_use","message":"subscription 1 exists already: unsubscribe it first, or choose another number"}}
             GiveUp(1)
             Begin(1, ServerStatus)
         "#]],
