@@ -84,7 +84,7 @@ fn in_words(NamedValue { name, value }: &NamedValue) -> String {
             let cost = match (link_bytes, takes_ms) {
                 (None, _) => "this server does not receive that robot".to_owned(),
                 (Some(cost), None) => {
-                    format!("costs {} of the link; the robot is not heard", size(*cost))
+                    format!("costs {} of the link; no signal from the robot", size(*cost))
                 }
                 (Some(cost), Some(ms)) => {
                     let takes = time(Duration::from_millis(*ms));
@@ -134,7 +134,7 @@ mod tests {
         });
         expect![[r"
             cloud: ndarray, 2.0 MB on the robot; this server does not receive that robot
-            cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link; the robot is not heard
+            cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link; no signal from the robot
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, the rest is on its way
             cloud: ndarray, 2.0 MB on the robot; costs 2.2 MB of the link, about 1:10 at its rate now; 500 KB are here, and no more come: the robot is gone

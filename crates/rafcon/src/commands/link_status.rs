@@ -100,15 +100,15 @@ fn in_words(report: &LinkReport) -> String {
 fn contact(health: &LinkHealth, now_ms: u64, who: &str) -> String {
     let LinkHealth { is_heard, heard_ms, .. } = health;
     match heard_ms.map(|heard_ms| spell(now_ms.saturating_sub(heard_ms))) {
-        None => format!("{who} was never heard"),
-        Some(ago) if *is_heard => format!("{who} was heard {ago} ago"),
-        Some(ago) => format!("{who} is not heard, for {ago} now"),
+        None => format!("no signal from {who} yet"),
+        Some(ago) if *is_heard => format!("receiving from {who}, last signal {ago} ago"),
+        Some(ago) => format!("no signal from {who} for {ago}"),
     }
 }
 
 fn up_link(health: &LinkHealth, now_ms: u64) -> String {
     let Some(reached_ms) = health.reached_ms else {
-        return "no up-link: the robot never said that it hears this station".to_owned();
+        return "no up-link: the robot has never confirmed a signal from this station".to_owned();
     };
     let ago = spell(now_ms.saturating_sub(reached_ms));
     let round_trip = health.round_trip_ms.map(spell).unwrap_or_default();
@@ -116,7 +116,9 @@ fn up_link(health: &LinkHealth, now_ms: u64) -> String {
         0 => String::new(),
         count => format!(", {} on the way{}", counted(count, "command"), progress(health)),
     };
-    format!("the robot heard what was sent {ago} ago; there and back takes {round_trip}{commands}")
+    format!(
+        "the robot received the signal sent {ago} ago; the round trip takes {round_trip}{commands}"
+    )
 }
 
 /// Rights of the users of this station, by the pairing.
@@ -204,7 +206,7 @@ fn offset(clock: Option<ClockOffset>) -> String {
         None => "unknown".to_owned(),
         Some(ClockOffset { least_ms, most_ms: None }) => {
             format!(
-                "{} or more ahead of this one: no up-link tells how much more",
+                "{} or more ahead of this one: the upper bound is unknown without an up-link",
                 signed(least_ms)
             )
         }
@@ -313,11 +315,11 @@ mod tests {
         robot.send_bytes_per_s = Some(7_600);
         let said: Vec<_> = [whole, dark, robot].iter().map(in_words).collect();
         expect![[r"
-            scout: the robot was heard 0.3 s ago, profile delay-2s
+            scout: receiving from the robot, last signal 0.3 s ago, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
               users of this station may command runs
               no contact planned
-              the robot heard what was sent 5.0 s ago; there and back takes 4.1 s, 1 command on the way, 44 % of 2.9 KB has arrived
+              the robot received the signal sent 5.0 s ago; the round trip takes 4.1 s, 1 command on the way, 44 % of 2.9 KB has arrived
                 edit_script of ana: being sent, takes effect in 1.1 s, at 1970-01-01T02:46:41.050Z
               robot's clock between -0.2 s and +3.9 s ahead of this one
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
@@ -326,19 +328,19 @@ mod tests {
               20261124-a  3,120 events, 12 not known to be at the station
               20261124-b  1 event, all at the station
 
-            scout: the robot is not heard, for 13:20 now, profile delay-2s
+            scout: no signal from the robot for 13:20, profile delay-2s
               from the robot 900 B/s, to the robot 31 B/s
               users of this station may command runs
               no contact planned
-              no up-link: the robot never said that it hears this station
+              no up-link: the robot has never confirmed a signal from this station
                 edit_script of ana: being sent, time of effect unknown: no contact with the robot
-              robot's clock +0.0 s or more ahead of this one: no up-link tells how much more
+              robot's clock +0.0 s or more ahead of this one: the upper bound is unknown without an up-link
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B
               20261124-a  3,120 events, 12 not known to be at the station
               20261124-b  1 event, all that the robot had at the last contact
 
-            scout: the station was never heard, profile delay-2s
+            scout: no signal from the station yet, profile delay-2s
               from the robot 900 B/s of 7.6 KB/s, to the robot 31 B/s
               received 1.2 MB in 4,000 datagrams: events 800 KB, headers 415 KB, status 20.0 KB
               sent 90 B in 1 datagram: headers 90 B

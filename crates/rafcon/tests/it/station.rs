@@ -475,7 +475,7 @@ fn a_command_whose_answer_is_lost_is_unknown_and_never_expired() {
     let _robot = robot(&place, path.address);
     let run = Run::start(&place, "--runs robot-runs");
     wait_at_station(&place, "Ticks  running");
-    while !place.call("link --state ground").stdout.contains("there and back takes") {
+    while !place.call("link --state ground").stdout.contains("the round trip takes") {
         thread::yield_now();
     }
     path.cut_down(true);

@@ -26,7 +26,7 @@ fn flight(place: &Place) -> (Program, SocketAddr, Program, Run, String) {
     let robot = robot(place, address);
     let run = Run::start(place, "--runs robot-runs");
     wait_at_station(place, "Ticks  running");
-    while !place.call("link --state ground").stdout.contains("there and back takes") {
+    while !place.call("link --state ground").stdout.contains("the round trip takes") {
         thread::yield_now();
     }
     let replica = fs::read_dir(place.path("ground-runs")).unwrap().next().unwrap().unwrap();

@@ -86,9 +86,10 @@ fn two_stations_have_a_run_and_what_one_suffers_is_nothing_to_the_other() {
     let mut said = vec![tell("ground", "step-mode"), tell("moon", "resume"), tell("moon", "pause")];
     wait_for_control(&place, ("moon", &moon.url), "owner@ground is in control");
     said.push(control("robot", &robot.url, "show"));
-    let report = ["ground", "moon"]
-        .map(|name| wait_for_link(&place, "robot", &format!("scout: station {name} was heard")));
-    said.extend(report.map(|line| format!("{}\n", line.split(" was heard").next().unwrap())));
+    let report = ["ground", "moon"].map(|name| {
+        wait_for_link(&place, "robot", &format!("scout: receiving from station {name}"))
+    });
+    said.extend(report.map(|line| format!("{}\n", line.split(", last signal").next().unwrap())));
     // One is flooded, then gone.
     in_background(move || make_noise(at_ground));
     drop(ground);
@@ -104,8 +105,8 @@ fn two_stations_have_a_run_and_what_one_suffers_is_nothing_to_the_other() {
         moon resume: refused owner@ground holds control of this run
         moon pause: applied
         robot show: owner@ground is in control
-        scout: station ground
-        scout: station moon
+        scout: receiving from station ground
+        scout: receiving from station moon
         robot override: owner is in control
         robot release: no user is in control
         moon resume: applied

@@ -73,7 +73,10 @@ fn rest(event: &Event) -> TextLine {
     let (style, text) = match event {
         Event::Hit { breakpoint, hits, held, .. } => {
             let held = if *held { "" } else { ", without a pause" };
-            (Style::Warning, format!("breakpoint {breakpoint} passed, {hits} times so far{held}"))
+            (
+                Style::Warning,
+                format!("breakpoint {breakpoint} passed, {hits} times until now{held}"),
+            )
         }
         Event::BreakpointSet { breakpoint } => (Style::Plain, set_breakpoint(breakpoint)),
         Event::BreakpointRemoved { id } => (Style::Plain, format!("breakpoint {id} removed")),
@@ -151,11 +154,11 @@ fn of_the_run(event: &Event) -> (Style, String) {
             (Style::Warning, text)
         }
         Event::Silence { link_ms: 0, command_ms: 0 } => {
-            (Style::Plain, "the ground is heard".to_owned())
+            (Style::Plain, "signals from the ground are received".to_owned())
         }
         Event::Silence { link_ms, command_ms } => {
             let text = format!(
-                "the ground is silent: not heard for {link_ms} ms, no command for {command_ms} ms"
+                "no signal from the ground for {link_ms} ms, no command for {command_ms} ms"
             );
             (Style::Warning, text)
         }
@@ -191,8 +194,8 @@ fn reason_of_hold(by: HeldBy) -> String {
 
 fn reason_of_loss(loss: Loss) -> &'static str {
     match loss {
-        Loss::Link => "the ground is not heard",
-        Loss::Command => "no command comes",
+        Loss::Link => "no signal from the ground",
+        Loss::Command => "no command received",
     }
 }
 

@@ -74,7 +74,7 @@ fn live(line: TextLine, run: &RunSummary) -> TextLine {
         None => line,
         Some(heard_ms) => {
             let ago = Duration::from_millis(clock::since_1970_ms().saturating_sub(heard_ms));
-            line.and(Style::Warning, format!(", not heard for {}", time(ago)))
+            line.and(Style::Warning, format!(", no signal for {}", time(ago)))
         }
     }
 }
