@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// Older events are repeated after this part of the interval in which new ones are.
-const REPEAT_PART: u32 = 4;
+const REPEAT_PART: u32 = 16;
 /// Number of missing events from which they are a backlog, as after a blackout.
 const BACKLOG_EVENTS: u64 = 64;
 /// Sends of a backlog while the rate allows it. One datagram that is lost each time costs the station a round trip.
