@@ -2,8 +2,8 @@
 
 mod world;
 
-use rafcon_link::Profile;
-use rafcon_testkit::link_world::Conditions;
+use rafcon_link::{Identity, KeyId, PairingKey, Profile, SenderStart, StationSession};
+use rafcon_testkit::link_world::{Conditions, Cut};
 use std::fmt::Write as _;
 use std::time::Duration;
 use world::World;
@@ -109,4 +109,33 @@ fn a_long_event_is_sent_in_its_packed_length() {
         let per_round = (world.down.bytes - bytes) / ((world.head - head) / 10);
         assert!(per_round <= 3_000, "{}: {per_round} bytes for 6 kB", profile.name);
     }
+}
+
+/// A long event whose first parts are lost with the link. Then only the link to the station returns, and the station has started again.
+#[test]
+fn a_station_that_cannot_report_reads_a_long_event_although_it_has_lost_the_context() {
+    let way = || Conditions { lost: 0, late: 0, doubled: 0, ..Conditions::delay_2s(256_000) };
+    let mut world =
+        World::new(&Profile::DELAY_2S, (way(), way()), Duration::from_secs(2), one_long_text);
+    world.go_on(Duration::from_secs(55));
+    world.up.begin_cut(world.now, Cut::Drops);
+    world.down.begin_cut(world.now, Cut::Drops);
+    world.go_on(Duration::from_mins(1));
+    assert_eq!(world.head, LONG);
+    let (key_id, key, start) = (KeyId(1), PairingKey::from_bytes([7; 32]), SenderStart::new(2, 0));
+    let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
+    world.station = StationSession::new(&identity, Profile::DELAY_2S);
+    world.go_on(Duration::from_secs(90));
+    world.down.end_cut(world.now);
+    world.delays.clear();
+    world.go_on(Duration::from_mins(3));
+    let at = Duration::from_secs(2 * LONG);
+    assert!(world.delays.iter().any(|(event, _)| *event == at), "it never came");
+}
+
+/// The long event.
+const LONG: u64 = 30;
+
+fn one_long_text(event: u64) -> Vec<u8> {
+    if event == LONG { [noise_or_short(10), texts(10)].concat() } else { texts(10)[..60].to_vec() }
 }

@@ -69,9 +69,9 @@ impl Coding {
         (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
     }
 
-    /// The context that is used.
-    pub(super) fn context(&self) -> Option<ContextId> {
-        self.used.as_ref().map(|(name, _)| name.id())
+    /// The context by which new events are compressed.
+    pub(super) fn context(&self, turn: TransmitContext<'_>) -> Option<ContextId> {
+        self.used.as_ref().filter(|_| self.is_used(turn)).map(|(name, _)| name.id())
     }
 
     /// Compresses the items of an event that is sent in parts. `None` without a context, or if that saves nothing.

@@ -57,10 +57,10 @@ impl LargeEvent {
 
     /// Starts a transfer of the parts that the station lacks. `None` if the event has to be packed again: the station cannot decode it, or
     /// could not although it had all parts.
-    pub(super) fn repair(mut self, coding: &Coding) -> Option<Self> {
+    pub(super) fn repair(mut self, coding: &Coding, turn: TransmitContext<'_>) -> Option<Self> {
         let is_whole = self.here.contiguous() >= self.bytes.len() as u64;
         let is_readable = match self.packing {
-            Packing::Coded { context, .. } => coding.context() == Some(context),
+            Packing::Coded { context, .. } => coding.context(turn) == Some(context),
             Packing::Plain | Packing::Deflated => true,
         };
         self.sent = 0;

@@ -217,7 +217,7 @@ impl Outgoing {
         let number = event.first;
         let known = self.large.iter().position(|known| known.number() == number);
         let known = known.and_then(|place| self.large.remove(place));
-        let repaired = known.and_then(|known| known.repair(&self.coding));
+        let repaired = known.and_then(|known| known.repair(&self.coding, turn));
         if self.large.len() >= LARGE_MAX {
             self.large.pop_front();
         }
