@@ -38,6 +38,11 @@ impl LargeEvent {
         self.first
     }
 
+    /// Length of the packed items, in bytes.
+    pub(super) fn length(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// True if the event can be decoded only with a context.
     pub(super) fn is_coded(&self) -> bool {
         matches!(self.packing, Packing::Coded { .. })

@@ -2,10 +2,13 @@
 
 use crate::assembly::Assembly;
 use crate::frame::{Packing, PartialEvent};
+use crate::range_set::RangeSet;
 use std::collections::VecDeque;
 
-/// Capacity. Of more events the parts of the oldest are dropped, and are sent again.
+/// Capacity of a report in events. The oldest are reported, because the robot repairs them first.
 pub(crate) const LARGE_MAX: usize = 4;
+/// Capacity: more events than a round trip carries. Of more, the newest is dropped, so that the oldest become complete.
+const KEPT_MAX: usize = 256;
 /// Capacity of a report in ranges of one event. The robot sends the parts in further ranges again.
 const RANGES_MAX: usize = 4;
 
@@ -34,8 +37,11 @@ impl LargeEvents {
         let (number, length, packing) = event;
         let place = self.place(number, length, packing).unwrap_or_else(|| {
             self.0.retain(|(_, parts)| parts.number() != number);
-            if self.0.len() >= LARGE_MAX {
-                self.0.pop_front();
+            let newest = self.0.iter().enumerate().max_by_key(|(_, (_, parts))| parts.number());
+            if self.0.len() >= KEPT_MAX
+                && let Some((newest, _)) = newest
+            {
+                self.0.remove(newest);
             }
             self.0.push_back((packing, Assembly::default()));
             self.0.len() - 1
@@ -51,14 +57,21 @@ impl LargeEvents {
         self.0.clear();
     }
 
-    /// The events, with their oldest ranges: a report is short.
+    /// Drops events that were received in another way.
+    pub(super) fn drop_received(&mut self, received: &RangeSet) {
+        self.0.retain(|(_, parts)| !received.contains(&(parts.number()..=parts.number())));
+    }
+
+    /// The oldest events, with their oldest ranges: a report is short.
     pub(super) fn report(&self) -> Vec<PartialEvent> {
         let partial = |(_, parts): &(Packing, Assembly)| PartialEvent {
             first: parts.number(),
             length: u32::try_from(parts.length()).unwrap_or(u32::MAX),
             here: parts.here().ranges().take(RANGES_MAX).collect(),
         };
-        self.0.iter().map(partial).collect()
+        let mut oldest: Vec<_> = self.0.iter().collect();
+        oldest.sort_by_key(|(_, parts)| parts.number());
+        oldest.into_iter().take(LARGE_MAX).map(partial).collect()
     }
 
     fn place(&self, number: u64, length: u32, packing: Packing) -> Option<usize> {
@@ -68,26 +81,39 @@ impl LargeEvents {
 
 #[cfg(test)]
 mod tests {
-    use super::{LARGE_MAX, LargeEvents, Packing, RANGES_MAX};
+    use super::{KEPT_MAX, LARGE_MAX, LargeEvents, Packing, RANGES_MAX, RangeSet};
 
     const PLAIN: Packing = Packing::Plain;
 
+    fn numbers(events: &LargeEvents) -> Vec<u64> {
+        events.report().iter().map(|partial| partial.first).collect()
+    }
+
     #[test]
-    fn of_more_events_than_the_bound_the_oldest_is_dropped() {
+    fn of_more_events_than_the_bound_the_newest_is_dropped() {
         let mut events = LargeEvents::default();
-        let numbers = |events: &LargeEvents| -> Vec<u64> {
-            events.report().iter().map(|partial| partial.first).collect()
-        };
-        for number in 1..=LARGE_MAX as u64 + 1 {
+        for number in 1..=KEPT_MAX as u64 + 2 {
             assert_eq!(events.add((number, 4, PLAIN), 0, b"ab"), None);
         }
-        assert_eq!(numbers(&events), [2, 3, 4, 5]);
+        assert_eq!(events.length(), KEPT_MAX * 4);
+        assert!(events.has(1, 4, PLAIN) && events.has(KEPT_MAX as u64 + 2, 4, PLAIN));
+        assert!(!events.has(KEPT_MAX as u64, 4, PLAIN));
+    }
+
+    #[test]
+    fn the_oldest_events_are_reported() {
+        let mut events = LargeEvents::default();
+        for number in (1..=LARGE_MAX as u64 + 2).rev() {
+            assert_eq!(events.add((number, 4, PLAIN), 0, b"ab"), None);
+        }
+        assert_eq!(numbers(&events), [1, 2, 3, 4]);
         // An event that is packed in another way begins again.
         assert_eq!(events.add((3, 2, Packing::Deflated), 0, b"a"), None);
-        assert_eq!(numbers(&events), [2, 4, 5, 3]);
+        assert_eq!(numbers(&events), [1, 2, 3, 4]);
         assert_eq!(events.add((4, 4, PLAIN), 2, b"cd"), Some(b"abcd".to_vec()));
-        assert_eq!(numbers(&events), [2, 5, 3]);
-        assert_eq!(events.length(), 4 + 4 + 2);
+        events.drop_received(&RangeSet::up_to(1));
+        assert_eq!(numbers(&events), [2, 3, 5, 6]);
+        assert_eq!(events.length(), 4 + 2 + 4 + 4);
     }
 
     #[test]

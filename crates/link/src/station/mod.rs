@@ -837,6 +837,7 @@ impl StationSession {
             let is_coded = codes && !is_complete;
             let context = if is_coded { incoming.contexts.offer() } else { None };
             let snapshot = is_coded.then(|| incoming.snapshots.offer(now, round_trip)).flatten();
+            incoming.large.drop_received(&incoming.received);
             let partial = if is_complete { Vec::new() } else { incoming.large.report() };
             let stream = *stream;
             let Incoming { safe, is_over, .. } = *incoming;

@@ -8,6 +8,7 @@ use crate::range_set::RangeSet;
 use crate::robot::large::LargeEvent;
 use crate::robot::source::{EventBuffer, RunSource};
 use crate::station::LARGE_MAX;
+use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
@@ -19,6 +20,8 @@ const BACKLOG_EVENTS: u64 = 64;
 const BACKLOG_SENDS: u8 = 4;
 /// Retry interval for events that could not be read.
 const READ_AGAIN: Duration = Duration::from_secs(1);
+/// Capacity for packed events in bytes, from `LARGE_MAX` events on. A report of the oldest finds them here.
+const LARGE_BYTES_MAX: usize = 1 << 20;
 /// Datagrams in a row with too little room for an event until it is sent in parts. Urgent data is in each of them.
 const WAITS: u8 = 8;
 /// Capacity for the time of the sender, at the beginning of a datagram, in bytes.
@@ -218,7 +221,9 @@ impl Outgoing {
         let known = self.large.iter().position(|known| known.number() == number);
         let known = known.and_then(|place| self.large.remove(place));
         let repaired = known.and_then(|known| known.repair(&self.coding, turn));
-        if self.large.len() >= LARGE_MAX {
+        let bytes =
+            |large: &VecDeque<LargeEvent>| large.iter().map(LargeEvent::length).sum::<usize>();
+        while self.large.len() >= LARGE_MAX && bytes(&self.large) > LARGE_BYTES_MAX {
             self.large.pop_front();
         }
         let event = repaired.unwrap_or_else(|| LargeEvent::new(event, &mut self.coding, turn));
