@@ -26,8 +26,10 @@ const RETRY_EVERY: Duration = Duration::from_mins(10);
 pub(crate) struct PathSize {
     profile_max: usize,
     max: usize,
-    /// Times in ms and lengths of long datagrams.
+    /// Times in ms and lengths of long datagrams that no report covers yet.
     sent: VecDeque<(u64, usize)>,
+    /// Lengths of lost datagrams since one of at least their length arrived.
+    lost: Vec<usize>,
     retry_at: Duration,
     /// Datagrams that were sent without reports.
     unheard: u64,
@@ -35,8 +37,8 @@ pub(crate) struct PathSize {
 
 impl PathSize {
     pub(crate) fn new(profile_max: usize) -> Self {
-        let (sent, retry_at) = (VecDeque::new(), Duration::MAX);
-        Self { profile_max, max: profile_max, sent, retry_at, unheard: 0 }
+        let (sent, lost, retry_at) = (VecDeque::new(), Vec::new(), Duration::MAX);
+        Self { profile_max, max: profile_max, sent, lost, retry_at, unheard: 0 }
     }
 
     /// Limit of datagrams in bytes.
@@ -69,6 +71,7 @@ impl PathSize {
         if now >= self.retry_at {
             (self.max, self.retry_at) = (self.profile_max, Duration::MAX);
             self.sent.clear();
+            self.lost.clear();
         }
     }
 
@@ -76,16 +79,22 @@ impl PathSize {
     /// Returns whether the limit has become lower.
     pub(crate) fn report(&mut self, now: Duration, longest: usize, newest_ms: u64) -> bool {
         let oldest_ms = newest_ms.saturating_sub(now_ms(RECENT));
-        let is_known = |(at_ms, _): &&(u64, usize)| (oldest_ms..=newest_ms).contains(at_ms);
-        let lost = self.sent.iter().filter(is_known).filter(|(_, length)| *length > longest);
-        let shortest = lost.clone().map(|(_, length)| *length).min().unwrap_or(usize::MAX);
-        if lost.count() < LOST {
+        self.lost.retain(|length| *length > longest);
+        while let Some((at_ms, length)) = self.sent.pop_front_if(|(at_ms, _)| *at_ms <= newest_ms) {
+            // The report does not cover earlier ones.
+            if at_ms >= oldest_ms && length > longest {
+                self.lost.push(length);
+            }
+        }
+        if self.lost.len() < LOST {
             return false;
         }
+        let shortest = self.lost.iter().copied().min().unwrap_or(usize::MAX);
         let fits = |length: &usize| *length < shortest.min(self.max);
         let Some(max) = LENGTHS.into_iter().find(fits) else { return false };
         (self.max, self.retry_at) = (max, now + RETRY_EVERY);
         self.sent.clear();
+        self.lost.clear();
         true
     }
 }
@@ -164,12 +173,29 @@ mod tests {
         assert_eq!(path.shortened(), None);
     }
 
+    /// A path that drops long datagrams, of which one is sent each half minute, as of a single long event.
+    #[test]
+    fn rare_losses_count_until_a_datagram_of_their_length_arrives() {
+        let mut path = PathSize::new(1_200);
+        let mut send = |nth: u64, length: usize, longest: usize| {
+            let at = nth * 30_000;
+            path.sent(ms(at), length);
+            path.report(ms(at + 2_000), longest, at + 1_000)
+        };
+        let most = LOST as u64;
+        assert!((0..most - 1).all(|nth| !send(nth, 900, 600)));
+        assert!(!send(most, 700, 900), "one of the length arrived");
+        assert!((most + 1..2 * most).all(|nth| !send(nth, 900, 600)));
+        assert!(send(2 * most, 900, 600));
+        assert_eq!(path.shortened(), Some(800));
+    }
+
     #[test]
     fn notes_are_kept_up_to_the_bound() {
         let mut path = PathSize::new(1_200);
         (0..=NOTES_MAX as u64).for_each(|nth| path.sent(ms(nth * 10), 1_200));
         assert_eq!((path.sent.len(), path.sent[0].0), (NOTES_MAX, 10));
-        // What was sent before the notes begin is unknown.
+        // Datagrams before the first note are unknown.
         assert!(!path.report(ms(20_000), 600, 0));
     }
 }
