@@ -27,11 +27,6 @@ impl Assembly {
         self.bytes.len()
     }
 
-    /// The number of the item.
-    pub(crate) fn number(&self) -> u64 {
-        self.number
-    }
-
     /// The bytes that are here, numbered from 1.
     pub(crate) fn here(&self) -> &RangeSet {
         &self.here

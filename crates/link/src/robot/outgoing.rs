@@ -78,7 +78,7 @@ pub(super) struct Outgoing {
     /// Datagrams in a row that had too little room for the next event: up to the present one, and up to the one before.
     waited: u8,
     waited_before: u8,
-    /// What the last datagram began with while both waited.
+    /// The queue that the last datagram began with.
     served_first: Served,
     coding: Coding,
     /// Number of times that events are sent to repair losses without a round trip.

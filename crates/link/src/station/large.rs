@@ -3,7 +3,7 @@
 use crate::assembly::Assembly;
 use crate::frame::{Packing, PartialEvent};
 use crate::range_set::RangeSet;
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 
 /// Capacity of a report in events. The oldest are reported, because the robot repairs them first.
 pub(crate) const LARGE_MAX: usize = 4;
@@ -12,19 +12,20 @@ const KEPT_MAX: usize = 256;
 /// Capacity of a report in ranges of one event. The robot sends the parts in further ranges again.
 const RANGES_MAX: usize = 4;
 
-/// Events of a run of which parts are missing, the newest last.
+/// Events of a run of which parts are missing, by their numbers.
 #[derive(Debug, Default)]
-pub(super) struct LargeEvents(VecDeque<(Packing, Assembly)>);
+pub(super) struct LargeEvents(BTreeMap<u64, (Packing, Assembly)>);
 
 impl LargeEvents {
     /// Memory of the parts, in bytes.
     pub(super) fn length(&self) -> usize {
-        self.0.iter().map(|(_, parts)| parts.length()).sum()
+        self.0.values().map(|(_, parts)| parts.length()).sum()
     }
 
     /// True if parts of this event are here.
     pub(super) fn has(&self, number: u64, length: u32, packing: Packing) -> bool {
-        self.place(number, length, packing).is_some()
+        let known = self.0.get(&number);
+        known.is_some_and(|(known, parts)| *known == packing && parts.is_of(number, length))
     }
 
     /// Adds a part of an event. Returns its packed items once they are complete.
@@ -35,20 +36,17 @@ impl LargeEvents {
         part: &[u8],
     ) -> Option<Vec<u8>> {
         let (number, length, packing) = event;
-        let place = self.place(number, length, packing).unwrap_or_else(|| {
-            self.0.retain(|(_, parts)| parts.number() != number);
-            let newest = self.0.iter().enumerate().max_by_key(|(_, (_, parts))| parts.number());
-            if self.0.len() >= KEPT_MAX
-                && let Some((newest, _)) = newest
-            {
-                self.0.remove(newest);
+        if !self.has(number, length, packing) {
+            self.0.remove(&number);
+            if self.0.len() >= KEPT_MAX {
+                self.0.pop_last();
             }
-            self.0.push_back((packing, Assembly::default()));
-            self.0.len() - 1
-        });
-        let whole = self.0.get_mut(place)?.1.add(number, length, offset, part);
-        if whole.is_some() || self.0.get(place).is_some_and(|(_, parts)| parts.length() == 0) {
-            self.0.remove(place);
+        }
+        let (_, parts) = self.0.entry(number).or_insert_with(|| (packing, Assembly::default()));
+        let whole = parts.add(number, length, offset, part);
+        // Complete, or too long.
+        if parts.length() == 0 {
+            self.0.remove(&number);
         }
         whole
     }
@@ -59,23 +57,17 @@ impl LargeEvents {
 
     /// Drops events that were received in another way.
     pub(super) fn drop_received(&mut self, received: &RangeSet) {
-        self.0.retain(|(_, parts)| !received.contains(&(parts.number()..=parts.number())));
+        self.0.retain(|number, _| !received.contains(&(*number..=*number)));
     }
 
     /// The oldest events, with their oldest ranges: a report is short.
     pub(super) fn report(&self) -> Vec<PartialEvent> {
-        let partial = |(_, parts): &(Packing, Assembly)| PartialEvent {
-            first: parts.number(),
+        let partial = |(number, (_, parts)): (&u64, &(Packing, Assembly))| PartialEvent {
+            first: *number,
             length: u32::try_from(parts.length()).unwrap_or(u32::MAX),
             here: parts.here().ranges().take(RANGES_MAX).collect(),
         };
-        let mut oldest: Vec<_> = self.0.iter().collect();
-        oldest.sort_by_key(|(_, parts)| parts.number());
-        oldest.into_iter().take(LARGE_MAX).map(partial).collect()
-    }
-
-    fn place(&self, number: u64, length: u32, packing: Packing) -> Option<usize> {
-        self.0.iter().position(|(known, parts)| *known == packing && parts.is_of(number, length))
+        self.0.iter().take(LARGE_MAX).map(partial).collect()
     }
 }
 

@@ -860,12 +860,10 @@ impl StationSession {
     /// Reports settled streams that the robot has named, as far as they fit.
     fn write_settled(&mut self, room: usize, payload: &mut Vec<u8>) {
         for (stream, Settled { events: safe, is_over }) in self.streams.asked() {
-            let (length, events) = (payload.len(), RangeSet::up_to(safe));
+            let events = RangeSet::up_to(safe);
             let (context, snapshot, partial) = (None, None, Vec::new());
             let received = Received { stream, is_over, safe, events, context, snapshot, partial };
-            Frame::Received(received).write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            if !received.write_into(room, payload) {
                 return;
             }
             self.streams.reported(stream);

@@ -8,7 +8,6 @@ use crate::range_set::RangeSet;
 use crate::robot::large::LargeEvent;
 use crate::robot::source::{EventBuffer, RunSource};
 use crate::station::LARGE_MAX;
-use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
@@ -129,12 +128,13 @@ impl Outgoing {
         if gap.end() - gap.start() >= BACKLOG_EVENTS {
             self.backlog = *gap.end();
         }
-        let is_backlog = *gap.start() <= self.backlog;
-        let sends = match is_backlog {
+        let sends = if self.id.is_files() {
             // Files are never urgent.
-            _ if self.id.is_files() => 1,
-            true => self.sends.max(BACKLOG_SENDS),
-            false => self.sends,
+            1
+        } else if *gap.start() <= self.backlog {
+            self.sends.max(BACKLOG_SENDS)
+        } else {
+            self.sends
         };
         (gap, sends)
     }
@@ -221,10 +221,12 @@ impl Outgoing {
         let known = self.large.iter().position(|known| known.number() == number);
         let known = known.and_then(|place| self.large.remove(place));
         let repaired = known.and_then(|known| known.repair(&self.coding, turn));
-        let bytes =
-            |large: &VecDeque<LargeEvent>| large.iter().map(LargeEvent::length).sum::<usize>();
-        while self.large.len() >= LARGE_MAX && bytes(&self.large) > LARGE_BYTES_MAX {
-            self.large.pop_front();
+        let mut bytes: usize = self.large.iter().map(LargeEvent::length).sum();
+        while self.large.len() >= LARGE_MAX
+            && bytes > LARGE_BYTES_MAX
+            && let Some(oldest) = self.large.pop_front()
+        {
+            bytes -= oldest.length();
         }
         let event = repaired.unwrap_or_else(|| LargeEvent::new(event, &mut self.coding, turn));
         self.large.push_back(event);
