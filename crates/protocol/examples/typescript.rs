@@ -101,6 +101,7 @@ fn in_requests(words: &mut Words) {
     words.visit::<api::SaveState>();
     words.visit::<api::StartAgain>();
     words.visit::<api::StartRun>();
+    words.visit::<api::RobotMachines>();
     words.visit::<api::StartedRun>();
 }
 

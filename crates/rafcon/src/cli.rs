@@ -10,7 +10,7 @@ pub(crate) use kept::{
     Compare, Export, ExportFormat, History, KeptRun, ListRuns, Log, LogLevel, Replay,
 };
 pub(crate) use link::{
-    CommandList, Contacts, Link, LinkProfile, LinkStatus, ListFormat, Pair, Station,
+    CommandList, Contacts, Link, LinkProfile, LinkStatus, ListFormat, Machines, Pair, Station,
 };
 pub(crate) use plan::{Plan, Then};
 pub(crate) use remote::{Access, Again, Control, Fetch, KeptRemote, Login, Remote, Wanted};
@@ -49,6 +49,7 @@ pub(crate) enum Command {
     Pair(Pair),
     Link(LinkStatus),
     Contacts(Contacts),
+    Machines(Machines),
     Commands(CommandList),
     Fetch(Fetch),
     User(User),

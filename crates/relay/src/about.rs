@@ -2,6 +2,7 @@
 //! in parcels of their own unless they are very large.
 
 use rafcon_protocol::Beginning;
+use rafcon_protocol::api::RobotMachines;
 use rafcon_storage::journal::{About, Hash, Pack, Parcel};
 
 /// The longest part, in bytes: it fits into any datagram.
@@ -12,8 +13,11 @@ const ABOUT: u8 = 1;
 const MACHINE: u8 = 2;
 const NAMED: u8 = 3;
 const PARCEL: u8 = 4;
+const MACHINE_LIST: u8 = 5;
 /// Longest content of a parcel in bytes, before compression.
 pub(crate) const PARCEL_MAX: usize = 8 << 20;
+/// Maximum length of a list of machines in bytes, inflated: 200 paths of usual length fit.
+pub(crate) const MACHINE_LIST_MAX: usize = 64 << 10;
 /// Maximum length of a description in bytes, deflated and inflated.
 const ABOUT_MAX: usize = 64 << 10;
 /// Maximum length of a machine outside parcels, deflated and inflated.
@@ -54,10 +58,25 @@ pub(crate) fn parcel_bytes(parcel: &Parcel) -> Vec<u8> {
 
 /// The parcel of [`parcel_bytes`].
 pub(crate) fn read_parcel(record: &[u8]) -> Option<Parcel> {
-    let ([PARCEL, length @ ..], rest) = record.split_first_chunk::<HEAD>()? else { return None };
+    Parcel::from_bytes(&content(PARCEL, record, PARCEL_MAX * 2)?).ok()
+}
+
+/// A list of machines as it lies on the disk and is sent; `None` if it is too long.
+pub(crate) fn machine_list_bytes(list: &RobotMachines) -> Option<Vec<u8>> {
+    let json = serde_json::to_vec(list).ok()?;
+    (json.len() <= MACHINE_LIST_MAX).then(|| record(MACHINE_LIST, &json))
+}
+
+/// The list of [`machine_list_bytes`].
+pub(crate) fn read_machine_list(record: &[u8]) -> Option<RobotMachines> {
+    serde_json::from_slice(&content(MACHINE_LIST, record, MACHINE_LIST_MAX)?).ok()
+}
+
+/// The inflated content of a complete record of this kind.
+fn content(kind: u8, record: &[u8], max: usize) -> Option<Vec<u8>> {
+    let ([own_kind, length @ ..], rest) = record.split_first_chunk::<HEAD>()?;
     let is_whole = rest.len() == u32::from_le_bytes(*length) as usize;
-    let bytes = rafcon_link::inflate(is_whole.then_some(rest)?, PARCEL_MAX * 2)?;
-    Parcel::from_bytes(&bytes).ok()
+    rafcon_link::inflate((*own_kind == kind && is_whole).then_some(rest)?, max)
 }
 
 /// The length of the record that begins like this.

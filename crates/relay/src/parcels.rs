@@ -3,9 +3,10 @@
 //!
 //! Depends on files and parcels, but not on sessions or requests.
 
-use crate::about::{PART, parcel_bytes, read_parcel};
+use crate::about::{PART, machine_list_bytes, parcel_bytes, read_machine_list, read_parcel};
 use crate::ids;
 use rafcon_link::StreamId;
+use rafcon_protocol::api::RobotMachines;
 use rafcon_storage::journal::folder::replace_file;
 use rafcon_storage::journal::{Hash, Manifest, Pack, Parcel};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,8 +27,9 @@ pub(crate) struct Kept {
     pub(crate) length: u64,
     /// It was here before this start.
     pub(crate) is_old: bool,
-    /// The hash of the machine's manifest.
-    pub(crate) machine: Hash,
+    /// The hash of the machine's manifest. `None` for a list of machines.
+    pub(crate) machine: Option<Hash>,
+    is_list: bool,
     pub(crate) needs: Vec<Hash>,
     base: Option<Hash>,
     /// The files that it brings.
@@ -99,11 +101,30 @@ impl Parcels {
 
     /// The parcel with this machine.
     pub(crate) fn of_machine(&self, machine: Hash) -> Option<&Arc<Kept>> {
-        self.all.iter().find(|kept| kept.machine == machine)
+        self.all.iter().find(|kept| kept.machine == Some(machine))
     }
 
     pub(crate) fn find(&self, name: Hash) -> Option<&Arc<Kept>> {
         self.all.iter().find(|kept| kept.name == name)
+    }
+
+    /// The list of machines that came last.
+    pub(crate) fn machine_list(&self) -> Option<RobotMachines> {
+        let newest = self.all.iter().rev().find(|kept| kept.is_list)?;
+        let bytes = fs::read(&newest.path).ok()?;
+        (Hash::of(&bytes) == newest.name).then(|| read_machine_list(&bytes))?
+    }
+
+    /// Stores a list of machines. `None` if it is too long.
+    pub(crate) fn add_list(&mut self, list: &RobotMachines) -> io::Result<Option<Arc<Kept>>> {
+        machine_list_bytes(list).map_or(Ok(None), |bytes| self.add(&bytes))
+    }
+
+    /// Drops all lists of machines but the one that came last.
+    pub(crate) fn drop_old_lists(&mut self) -> Vec<Arc<Kept>> {
+        let newest = self.all.iter().rev().find(|kept| kept.is_list).map(|kept| kept.name);
+        let is_old = |kept: &Kept| kept.is_list && Some(kept.name) != newest;
+        std::iter::from_fn(|| self.drop_oldest(is_old)).collect()
     }
 
     /// Stores the bytes of a parcel. `None` if they are invalid.
@@ -203,10 +224,43 @@ impl Parcels {
 }
 
 fn kept(bytes: &[u8], path: &Path) -> Option<Kept> {
+    let mut kept = Kept {
+        name: Hash::of(bytes),
+        length: bytes.len() as u64,
+        is_old: false,
+        machine: None,
+        is_list: read_machine_list(bytes).is_some(),
+        needs: Vec::new(),
+        base: None,
+        files: BTreeSet::new(),
+        path: path.to_owned(),
+    };
+    if kept.is_list {
+        return Some(kept);
+    }
     let Parcel { machine, base, needs, fresh, .. } = read_parcel(bytes)?;
-    let (name, length) = (Hash::of(bytes), bytes.len() as u64);
-    let (files, path) = (fresh.into_keys().collect(), path.to_owned());
-    Some(Kept { name, length, is_old: false, machine, needs, base, files, path })
+    (kept.machine, kept.needs, kept.base) = (Some(machine), needs, base);
+    kept.files = fresh.into_keys().collect();
+    Some(kept)
+}
+
+/// The list of machines that came last into the folder of a station's parcels. Changes nothing.
+pub(crate) fn stored_machine_list(folder: &Path) -> io::Result<Option<RobotMachines>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        entries => entries?,
+    };
+    let files = entries.flatten().filter_map(|entry| {
+        let (number, hash) = read_name(entry.file_name().to_str()?)?;
+        Some((number, hash, entry.path()))
+    });
+    let mut files: Vec<_> = files.collect();
+    files.sort_by(|(a, ..), (b, ..)| b.cmp(a));
+    let list = |(_, hash, path): (u64, Hash, PathBuf)| {
+        let bytes = fs::read(path).ok().filter(|bytes| Hash::of(bytes) == hash)?;
+        read_machine_list(&bytes)
+    };
+    Ok(files.into_iter().find_map(list))
 }
 
 fn read_name(name: &str) -> Option<(u64, Hash)> {

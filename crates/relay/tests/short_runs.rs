@@ -7,9 +7,9 @@ use rafcon_link::Profile;
 use rafcon_protocol::api::{Control, ControlMove, ResumeRequest, Right, RobotAnswer, StartRequest};
 use rafcon_protocol::{Command, Event, Outcome};
 use rafcon_relay::{
-    Answered, Authority, CommandListStore, ContactStore, Paired, Pairing, Projects, RequestBroker,
-    RobotSettings, StationAddress, StationSettings, Stopper, ValueFetchBroker, relay_robot,
-    relay_station,
+    Answered, Authority, CommandListStore, ContactStore, MachineLists, Paired, Pairing, Projects,
+    RequestBroker, RobotSettings, StationAddress, StationSettings, Stopper, ValueFetchBroker,
+    relay_robot, relay_station,
 };
 use rafcon_storage::journal::{
     About, Batch, Journal, Options, Record, Retention, RunState, Summary, run_folders, size_of,
@@ -141,6 +141,7 @@ impl World {
             server_requests: RequestBroker::default(),
             contacts: ContactStore::default(),
             lists: CommandListStore::new(|_| Right::Command),
+            machines: MachineLists::default(),
             tell: |problem| panic!("{problem}"),
         };
         let stopper = Stopper::default();

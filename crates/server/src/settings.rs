@@ -1,7 +1,7 @@
 //! Settings of a server, parsed by its program from the command line and the environment.
 
 use crate::page_files::PageFiles;
-use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotRequest, ValueFetch};
+use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotMachines, RobotRequest, ValueFetch};
 use rafcon_protocol::{CommandList, ContactPlan, ListedCommand};
 use rafcon_supervisor::ProgramEnvironment;
 use std::fmt;
@@ -55,6 +55,15 @@ pub enum NotTaken {
     Full(String),
 }
 
+/// Reason why the machines of a robot are unknown, as text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum MachinesFault {
+    /// The station does not receive this robot.
+    NotReceived(String),
+    /// The robot has sent no list.
+    NotArrived(String),
+}
+
 /// Reason why the planned contacts with a robot are unavailable or not stored, as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ContactsFault {
@@ -95,6 +104,12 @@ pub trait Robots: fmt::Debug + Send + Sync {
         request: RobotRequest,
         answered: Box<dyn FnOnce(RobotAnswer) + Send>,
     ) -> Result<(), NotTaken>;
+
+    /// Names of the robots that the station receives.
+    fn names(&self) -> Vec<String>;
+
+    /// The machines in the projects of a robot, as its last list has them.
+    fn machines(&self, robot: &str) -> Result<RobotMachines, MachinesFault>;
 
     /// The planned contacts with a robot.
     fn contacts(&self, robot: &str) -> Result<ContactPlan, ContactsFault>;

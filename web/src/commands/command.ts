@@ -44,6 +44,11 @@ export interface Dialogs {
   readonly colour: { readonly asks: Rgb | null; readonly answer: { readonly rgb: Rgb | null } };
   /** Start parameters of a run. */
   readonly "start-run": { readonly asks: OpenTab; readonly answer: Partial<Start> };
+  /** A machine of a robot of this station. */
+  readonly "start-at-robot": {
+    readonly asks: undefined;
+    readonly answer: { readonly robot: string; readonly machine: MachineFile };
+  };
   /** Fate of the scripts that a crash has interrupted. */
   readonly "resume-crashed": { readonly asks: Watch; readonly answer: OnCrash };
   /** Edits of the machine of a tab that were set aside. */

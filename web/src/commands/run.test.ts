@@ -278,6 +278,42 @@ test("what a robot starts again is shown once its first events arrive", async ()
   expect(shown).toEqual(["r2"]);
 });
 
+test("a machine of a robot is started and shown once its first events arrive, unless the user has gone elsewhere", async () => {
+  const file = { robot: "scout", machine: { project: "missions", path: "drive" } };
+  const context = running({ phase: "finished", answers: [null, file, file] });
+  expect(why(context, "run.start-at-robot")).toMatch(/not the station/);
+  const runs = signal<readonly { readonly id: string }[]>([]);
+  const started: unknown[] = [];
+  const shown: string[] = [];
+  const active = signal<unknown>(context.tab);
+  const startAtRobot = (robot: string, { machine }: { machine: unknown }) => {
+    started.push([robot, machine]);
+    return Promise.resolve(`r${started.length}`);
+  };
+  Object.assign(context.page, {
+    active,
+    robots: signal(["scout"]),
+    runs: { all: runs, startAtRobot },
+    showRun: (id: string) => Promise.resolve(void shown.push(id)),
+  });
+  expect(why(context, "run.start-at-robot")).toBeNull();
+  COMMANDS.run("run.start-at-robot", context);
+  await settle();
+  expect(started).toEqual([]);
+  COMMANDS.run("run.start-at-robot", context);
+  await settle();
+  expect([started, shown]).toEqual([[["scout", file.machine]], []]);
+  runs.value = [{ id: "r1" }];
+  await settle();
+  expect(shown).toEqual(["r1"]);
+  COMMANDS.run("run.start-at-robot", context);
+  await settle();
+  active.value = null;
+  runs.value = [{ id: "r1" }, { id: "r2" }];
+  await settle();
+  expect([started.length, shown]).toEqual([2, ["r1"]]);
+});
+
 test("a run that is over begins again at an entry of its history, for whoever may start runs", async () => {
   const over = running({ phase: "finished" });
   const begun: unknown[] = [];

@@ -1,7 +1,7 @@
-/** The command that repeats a run: a new run with its inputs and settings, started by the robot if the run is a robot's. */
+/** Commands that start a run without the open machine: again, as an earlier run, or on a robot of this station. */
 
 import { effect } from "@preact/signals-core";
-import type { Watch } from "../store/history/run.ts";
+import type { MachineFile } from "../model/generated/protocol.ts";
 import type { Page } from "../store/page/page.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { lacks, robotRefuses } from "./run_rules.ts";
@@ -22,7 +22,37 @@ export const RUN_AGAIN: readonly UserCommand[] = [
     },
     run: startAgain,
   },
+  {
+    id: "run.start-at-robot",
+    title: "Start a machine of a robot…",
+    detail: "Chooses a machine of a robot's projects. The robot starts it.",
+    menu: "Run/1",
+    refusal: ({ page }) => {
+      if (page.server.link.value.state !== "up") return "there is no connection to the server";
+      if (page.robots.value.length === 0) return "this server is not the station of a robot";
+      return lacks(page, "start");
+    },
+    run: startAtRobot,
+  },
 ];
+
+async function startAtRobot({ page, shell }: CommandContext): Promise<void> {
+  const chosen = await shell.dialog("start-at-robot", undefined);
+  if (chosen === null) return;
+  const { robot, machine } = chosen;
+  page.tell({ level: "info", text: `${robot} is asked to start ${pathOf(machine)}.` });
+  const before = page.active.peek();
+  const run = await page.runs.startAtRobot(robot, { machine });
+  const text = `${robot} has started ${pathOf(machine)}. The run is shown here once its first events arrive.`;
+  page.tell({ level: "info", text });
+  const isLeft = () => page.active.value !== before;
+  if (await arrived(page, run, isLeft)) await page.showRun(run);
+}
+
+/** Path of a machine for the user. */
+export function pathOf({ project, path }: MachineFile): string {
+  return path === "" ? project : `${project}/${path}`;
+}
 
 async function startAgain({ page, tab, shell }: CommandContext): Promise<void> {
   const watch = tab?.run.peek();
@@ -41,22 +71,23 @@ async function startAgain({ page, tab, shell }: CommandContext): Promise<void> {
   if (robot) {
     const text = `${robot} has started the run. It is shown here once its first events arrive.`;
     page.tell({ level: "info", text });
-    if (!(await arrived(page, watch, run))) return;
+    const isLeft = () => page.active.value?.run.value !== watch;
+    if (!(await arrived(page, run, isLeft))) return;
   }
   // A user who opened another run in the meantime stays there.
   if (page.active.peek()?.run.peek() === watch) await page.showRun(run);
 }
 
-/** Waits for a run to appear in the list of runs; false if the page left the run before it first. */
-function arrived(page: Page, before: Watch, run: string): Promise<boolean> {
+/** Waits for a run to appear in the list of runs; false if the user has gone elsewhere first. */
+function arrived(page: Page, run: string, isLeft: () => boolean): Promise<boolean> {
   return new Promise((done) => {
     const end = (isHere: boolean) => {
       done(isHere);
       queueMicrotask(() => stop());
     };
     const stop = effect(() => {
-      if (page.runs.all.value.some(({ id }) => id === run)) end(true);
+      if (isLeft()) end(false);
+      else if (page.runs.all.value.some(({ id }) => id === run)) end(true);
     });
-    before.whenClosed(() => end(false));
   });
 }

@@ -76,7 +76,7 @@ export function startPage(options: PageOptions = {}): Page {
   tellPresence(server, () => machines.active.value, clock);
   tellBreaks(server, clock, tell);
   tellStorageFault(tell);
-  const known = { serverStatus, projects, libraries, isRestoring };
+  const known = { serverStatus, projects, libraries, robots: followRobots(server), isRestoring };
   return { server, ...known, runs, notices, droppedNotices, settings, tell, ...machines };
 }
 
@@ -128,6 +128,27 @@ function followFiles(
     void ask();
   });
   return { projects, libraries };
+}
+
+/** Names of the robots of a station, asked for with each connection. */
+function followRobots(server: Server) {
+  const robots = signal<readonly string[]>([]);
+  let connection: number | null = null;
+  const ask = async () => {
+    try {
+      robots.value = await server.request<readonly string[]>("GET", "/robots");
+    } catch (error) {
+      if (!(error instanceof RefusalError)) throw error;
+      connection = null;
+    }
+  };
+  effect(() => {
+    const link = server.link.value;
+    if (link.state !== "up" || link.connection === connection) return;
+    connection = link.connection;
+    void ask();
+  });
+  return robots;
 }
 
 /** Opens machines and runs in the tabs. */

@@ -27,6 +27,38 @@ export function requestUntilAnswered<T>(
   return outbox.put(body);
 }
 
+/** Starts of runs. A start of unknown fate is repeated with its id: another id would start a second run. */
+export class StartRequests {
+  readonly #ports: StartPorts;
+  /** Ids of starts of unknown fate, by path and body. */
+  readonly #ids = new Map<string, string>();
+
+  constructor(ports: StartPorts) {
+    this.#ports = ports;
+  }
+
+  async start<T>(path: string, body: object): Promise<T> {
+    const key = JSON.stringify([path, body]);
+    const id = this.#ids.get(key) ?? this.#ports.newId();
+    this.#ids.set(key, id);
+    try {
+      const started = await requestUntilAnswered<T>(this.#ports, path, { ...body, id });
+      this.#ids.delete(key);
+      return started;
+    } catch (error) {
+      const isUnknown = error instanceof RefusalError && isUnknownFate(error);
+      if (!isUnknown) this.#ids.delete(key);
+      throw error;
+    }
+  }
+}
+
+export interface StartPorts {
+  readonly server: Pick<Server, "request">;
+  readonly clock: Clock;
+  readonly newId: () => string;
+}
+
 /** True if nobody knows whether the request was carried out. */
 export function isUnknownFate({ status, code }: RefusalError): boolean {
   return status === 0 || code === "fate_unknown";

@@ -98,6 +98,29 @@ describe("the runs of the server", () => {
     expect(shown()).toEqual(["m-1 0"]);
   });
 
+  it("of a robot are started once, although the fate of the first request stays unknown", async () => {
+    const { server, clock, runs } = setUp();
+    const start = () => runs.startAtRobot("scout", { machine: { project: "p", path: "m" } });
+    const lost = start().catch((error: unknown) => error);
+    const { path, body } = server.first();
+    expect(path).toBe("/robots/scout/runs");
+    server.first().refuse(0);
+    await settle();
+    clock.pass(61_000);
+    await settle();
+    server.first().refuse(0);
+    await settle();
+    expect(String(await lost)).toMatch(/unknown whether it was carried out/);
+    const again = start();
+    expect(server.first().body).toEqual(body);
+    server.first().answer({ run: "m-1", robot: "scout" });
+    expect(await again).toBe("m-1");
+    const other = start();
+    expect(server.first().body).not.toEqual(body);
+    server.first().answer({ run: "m-2", robot: "scout" });
+    expect(await other).toBe("m-2");
+  });
+
   it("that no one looks at any more are not watched for ever", () => {
     const { server, runs } = setUp((id) => id === "shown");
     const shown = runs.watch("shown");

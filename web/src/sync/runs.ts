@@ -1,10 +1,15 @@
 /** All runs of the server: which there are, how they begin, and each that is watched. */
 
 import { effect, type Signal, signal } from "@preact/signals-core";
-import type { RunSummary, ServerStatus, StartRun } from "../model/generated/protocol.ts";
+import type {
+  RunSummary,
+  ServerStatus,
+  StartedRun,
+  StartRun,
+} from "../model/generated/protocol.ts";
 import type { Runs, Start, Watch } from "../store/history/run.ts";
 import { RefusalError } from "../store/page/server.ts";
-import { requestUntilAnswered } from "./request_until_answered.ts";
+import { requestUntilAnswered, StartRequests } from "./request_until_answered.ts";
 import { RunWatch, type WatchPorts } from "./watch.ts";
 
 const DEFAULTS: Omit<StartRun, "id" | "machine"> = {
@@ -46,6 +51,7 @@ export function followRuns(
     }
   };
   const removed = new Set<string>();
+  const starts = new StartRequests(ports);
   /** Later messages are newer. */
   const take = (before: readonly RunSummary[], news: readonly RunSummary[]) => {
     const byId = new Map([...before, ...news].map((run) => [run.id, run]));
@@ -90,6 +96,11 @@ export function followRuns(
       const run = await requestUntilAnswered<RunSummary>(ports, "/runs", body);
       take(all.peek(), [run]);
       return run.id;
+    },
+    startAtRobot: async (robot: string, start: Start) => {
+      const path = `/robots/${encodeURIComponent(robot)}/runs`;
+      const { run } = await starts.start<StartedRun>(path, { ...DEFAULTS, ...start });
+      return run;
     },
     get: (run, what) => server.request("GET", `/runs/${encodeURIComponent(run)}/${what}`),
     fetchValue: (run, value, isWanted) => {

@@ -22,7 +22,7 @@ import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox, lifetimeOverLink_ms } from "./command_outbox.ts";
 import { PastWindows } from "./past_windows.ts";
-import { isUnknownFate, requestUntilAnswered } from "./request_until_answered.ts";
+import { requestUntilAnswered, StartRequests } from "./request_until_answered.ts";
 import { SnapshotLoader } from "./snapshot_loader.ts";
 
 export interface WatchPorts {
@@ -58,8 +58,7 @@ export class RunWatch implements Watch {
   readonly sent: Signal<readonly SentCommand[]>;
   readonly ahead = signal<AheadValues>(NOTHING_AHEAD);
   readonly id: string;
-  /** Id of a start whose fate is unknown. */
-  #againId: string | null = null;
+  readonly #starts: StartRequests;
   readonly #ports: WatchPorts;
   readonly #outbox: CommandOutbox;
   readonly #snapshots: SnapshotLoader;
@@ -77,6 +76,7 @@ export class RunWatch implements Watch {
   constructor(id: string, ports: WatchPorts) {
     this.id = id;
     this.#ports = ports;
+    this.#starts = new StartRequests(ports);
     const { server, clock } = ports;
     this.#outbox = new CommandOutbox({
       ...ports,
@@ -137,23 +137,8 @@ export class RunWatch implements Watch {
     await requestUntilAnswered(this.#ports, this.#path("resume"), body);
   }
 
-  async startAgain(): Promise<StartedRun> {
-    // A start of unknown fate is asked for by its id again: another id would start a second run.
-    this.#againId ??= this.#ports.newId();
-    const body = { id: this.#againId };
-    try {
-      const started = await requestUntilAnswered<StartedRun>(
-        this.#ports,
-        this.#path("again"),
-        body,
-      );
-      this.#againId = null;
-      return started;
-    } catch (error) {
-      const isUnknown = error instanceof RefusalError && isUnknownFate(error);
-      if (!isUnknown) this.#againId = null;
-      throw error;
-    }
+  startAgain(): Promise<StartedRun> {
+    return this.#starts.start<StartedRun>(this.#path("again"), {});
   }
 
   close(): void {

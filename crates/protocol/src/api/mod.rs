@@ -43,8 +43,8 @@ pub use plans::{
 };
 pub use python::{CheckScript, ScriptPlace, ScriptProblem};
 pub use robots::{
-    LineRequest, ListChange, ListRequest, ResumeRequest, RobotAnswer, RobotRequest, StartAgain,
-    StartOf, StartRequest, StartedRun,
+    LineRequest, ListChange, ListRequest, ResumeRequest, RobotAnswer, RobotMachines, RobotRequest,
+    StartAgain, StartOf, StartRequest, StartedRun,
 };
 pub use run_wait::RunWait;
 pub use runs::{

@@ -1,6 +1,6 @@
 //! Requests of a station's users to a robot that concern no program in progress: it starts one.
 
-use super::{ResumeRun, StartRun};
+use super::{MachineFile, ResumeRun, StartRun};
 use crate::Answer;
 use serde::{Deserialize, Serialize};
 
@@ -61,6 +61,19 @@ pub enum StartOf {
     /// may edit, which a breakpoint with a condition requires.
     #[serde(rename = "a")]
     Again(String, bool),
+}
+
+/// The machines in the projects of a robot, as its station knows them.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema, ts_rs::TS))]
+pub struct RobotMachines {
+    /// When the robot made this list, by its calendar: ms since 1970, UTC. It makes another one after each change of its machines.
+    #[cfg_attr(feature = "schema", ts(type = "number"))]
+    pub made_ms: u64,
+    /// The machines, the one that changed last first; at most 200.
+    pub machines: Vec<MachineFile>,
+    /// Number of further machines.
+    pub more: u32,
 }
 
 /// Which command list of a robot is replaced.

@@ -122,6 +122,21 @@ pub(crate) struct Contacts {
     pub(crate) remote: Remote,
 }
 
+/// List the machines in the projects of a robot, which it can start.
+///
+/// The robot sends the list to its station after each change. `rafcon run PROJECT/FOLDER --robot ROBOT --server URL` starts a machine
+/// of it.
+#[derive(Debug, Args)]
+pub(crate) struct Machines {
+    /// Name of the robot at its station
+    pub(crate) robot: String,
+    /// Output format
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub(crate) format: ListFormat,
+    #[command(flatten)]
+    pub(crate) remote: Remote,
+}
+
 /// Show, set or release the list of timed commands for a robot.
 ///
 /// A list is composed and reviewed before a pass, and released as one: all of its commands are sent, or none. The file is a list in JSON:

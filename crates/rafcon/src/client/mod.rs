@@ -26,8 +26,8 @@ pub(crate) use notebook::CredentialStore;
 use rafcon_model::Machine;
 use rafcon_protocol::api::{
     CommandAnswer, Control, ControlMove, Login, MachineAt, MachineDocument, MachineFile,
-    MachineSummary, Moment, NewToken, ResumeRun, RunNow, RunSummary, StartAgain, StartRun,
-    StartedRun, TokenMade,
+    MachineSummary, Moment, NewToken, ResumeRun, RobotMachines, RunNow, RunSummary, StartAgain,
+    StartRun, StartedRun, TokenMade,
 };
 use rafcon_protocol::document::{Document, leave};
 use rafcon_protocol::{
@@ -82,6 +82,11 @@ impl Server {
     /// Starts the machine of a run as a new run.
     pub(crate) fn start_again(&self, run: &str, request: &StartAgain) -> Result<StartedRun, Fault> {
         self.send(&format!("/runs/{}/again", escaped(run)), request)
+    }
+
+    /// The machines in the projects of a robot of a station.
+    pub(crate) fn machines(&self, robot: &str) -> Result<RobotMachines, Fault> {
+        self.get(&format!("/robots/{}/machines", escaped(robot)))
     }
 
     /// The planned contacts with a robot of a station.

@@ -8,17 +8,19 @@ use crate::failure::complain;
 use anyhow::{Context as _, Result, bail};
 use rafcon_link::Profile;
 use rafcon_protocol::api::{
-    Control, ControlMove, ListRequest, ResumeRequest, Right, RobotAnswer, RobotRequest,
-    StartRequest, ValueFetch,
+    Control, ControlMove, ListRequest, ResumeRequest, Right, RobotAnswer, RobotMachines,
+    RobotRequest, StartRequest, ValueFetch,
 };
 use rafcon_protocol::{Command, CommandList, ContactPlan, ListedCommand};
 use rafcon_relay::{
     Answered, Authority, CommandListError, CommandListFileError, CommandListStore, ContactStore,
-    ContactsNotSet, Paired, Pairing, PairingList, PairingRights, Projects, RequestBroker,
-    RobotSettings, StationSettings, Stopper, ValueCost, ValueFetchBroker, relay_robot,
-    relay_station,
+    ContactsNotSet, MachineLists, MachinesUnknown, Paired, Pairing, PairingList, PairingRights,
+    Projects, RequestBroker, RobotSettings, StationSettings, Stopper, ValueCost, ValueFetchBroker,
+    relay_robot, relay_station,
 };
-use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots, RunAuthority, Settings};
+use rafcon_server::{
+    CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, RunAuthority, Settings,
+};
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::net::SocketAddr;
@@ -191,6 +193,7 @@ pub(super) struct StationBroker {
     requests: RequestBroker,
     contacts: ContactStore,
     lists: CommandListStore,
+    machines: MachineLists,
 }
 
 impl Default for StationBroker {
@@ -200,6 +203,7 @@ impl Default for StationBroker {
             requests: RequestBroker::default(),
             contacts: ContactStore::default(),
             lists: CommandListStore::new(RunAuthority::right_of),
+            machines: MachineLists::default(),
         }
     }
 }
@@ -249,6 +253,17 @@ impl Robots for StationBroker {
         self.requests.ask(robot, request, answered).map_err(|why| match why {
             rafcon_relay::NotTaken::NotReceived => NotTaken::NotReceived(why.to_string()),
             rafcon_relay::NotTaken::Full => NotTaken::Full(why.to_string()),
+        })
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.machines.robots()
+    }
+
+    fn machines(&self, robot: &str) -> Result<RobotMachines, MachinesFault> {
+        self.machines.of(robot).map_err(|why| match why {
+            MachinesUnknown::NotReceived => MachinesFault::NotReceived(why.to_string()),
+            MachinesUnknown::NotArrived => MachinesFault::NotArrived(why.to_string()),
         })
     }
 
@@ -371,6 +386,7 @@ impl Relays {
             server_requests: broker.requests.clone(),
             contacts: broker.contacts.clone(),
             lists: broker.lists.clone(),
+            machines: broker.machines.clone(),
             tell: complain,
         };
         let stopper = self.stopper.clone();

@@ -15,6 +15,7 @@ mod kept_at_server;
 mod link;
 mod link_status;
 mod login;
+mod machines;
 mod new;
 mod plan;
 mod remote;
@@ -56,6 +57,7 @@ pub(crate) fn main(cli: Cli, environment: &Environment, clock: Clock) -> Result<
         Command::Pair(request) => link::pair(&request, environment),
         Command::Link(request) => link_status::link_status(&request, environment),
         Command::Contacts(request) => contacts::contacts(&request, environment),
+        Command::Machines(request) => machines::machines(&request, environment),
         Command::Commands(request) => command_list::command_list(&request, environment),
         Command::Fetch(request) => fetch::fetch(&request, environment),
         Command::Login(request) => login::login(&request, environment),

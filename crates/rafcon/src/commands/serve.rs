@@ -8,8 +8,8 @@ use crate::environment::{self, Environment};
 use crate::failure::complain;
 use crate::machine;
 use anyhow::{Context as _, Result, bail};
-use rafcon_relay::Projects;
-use rafcon_server::{RunAuthority, Server, Settings};
+use rafcon_relay::{ProjectFolder, Projects};
+use rafcon_server::{RunAuthority, Server, Settings, project_ids};
 use rafcon_storage::{config, roots};
 use std::io::{self, Write as _};
 use std::net::{IpAddr, SocketAddr};
@@ -58,7 +58,9 @@ fn projects(settings: &Settings) -> Projects {
     let found = config::find(settings.config.as_deref(), &environment::variable);
     let config = found.map(|(config, _file)| config).unwrap_or_default();
     let (libraries, _notes) = roots(&config, &environment::variable, &settings.libraries);
-    Projects { folders: settings.projects.clone(), libraries }
+    let folders = project_ids(&settings.projects).into_iter();
+    let folders = folders.map(|(id, folder)| ProjectFolder { id, folder }).collect();
+    Projects { folders, libraries }
 }
 
 fn settings(raw: &cli::Serve, environment: &Environment) -> Result<Settings> {

@@ -24,8 +24,9 @@ fn parcels(folder: &Path) -> BTreeSet<String> {
     names.filter_map(|name| Some(name.split_once('-')?.1.to_owned())).collect()
 }
 
-/// Waits until the station has this many parcels, the same as the robot.
-fn wait_for_parcels(place: &Place, count: usize) {
+/// Waits until the station has parcels of this many machines and the list of them, the same as the robot.
+fn wait_for_parcels(place: &Place, machines: usize) {
+    let count = machines + 1;
     let at = |folder: &str| parcels(&place.path(folder));
     let both = || (at("robot/link/robot/machines"), at("ground/link/station/scout/machines"));
     while !matches!(both(), (robots, stations) if robots.len() == count && robots == stations) {

@@ -113,6 +113,52 @@ fn a_run_is_started_from_the_station_once_for_each_request_and_started_again() {
     wait_at_station(&place, "Waits  ended with");
 }
 
+/// Waits until the command prints other machines than these; returns the lines after the age.
+fn other_machines(place: &Place, more: &str, before: &str) -> String {
+    loop {
+        let shown = place.call(&format!("machines scout --state ground {more}"));
+        let lines = match shown.stdout.split_once('\n') {
+            Some((age, lines)) => {
+                assert!(age.ends_with("Z by the robot's calendar"), "{age}");
+                lines.to_owned()
+            }
+            None => shown.stderr,
+        };
+        if lines != before {
+            return lines;
+        }
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn the_station_lists_the_machines_of_its_robot_after_each_change() {
+    let place = place("observe");
+    let nobody = place.call("machines mule --state ground");
+    expect!["error: no robot `mule` is paired with this station: run `rafcon pair --paste` here, or name the server of the station with --server"]
+        .assert_eq(nobody.stderr.trim_end());
+    let (ground, address) = station(&place, "127.0.0.1:0");
+    let at_server = format!("--server {}", ground.url);
+    let unknown = "error: robot scout: no list of its machines has arrived yet: repeat this once there is a signal of the robot, or start a machine by its path\n";
+    for more in ["", &at_server] {
+        assert_eq!(other_machines(&place, more, ""), unknown);
+    }
+    let robot = robot(&place, address);
+    assert_eq!(other_machines(&place, &at_server, unknown), "missions/waits\n");
+    assert_eq!(other_machines(&place, "", unknown), "missions/waits\n");
+    std::fs::rename(place.path("missions/waits"), place.path("missions/other")).unwrap();
+    assert_eq!(other_machines(&place, &at_server, "missions/waits\n"), "missions/other\n");
+    // A station that starts again has the list, whether there is a signal or not.
+    drop((robot, ground));
+    let (ground, _) = station(&place, "127.0.0.1:0");
+    let at_server = format!("--server {}", ground.url);
+    assert_eq!(other_machines(&place, &at_server, ""), "missions/other\n");
+    let json = place.call(&format!("machines scout --format json --state ground {at_server}"));
+    let list: Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(list["machines"], json!([{ "project": "missions", "path": "other" }]));
+    assert_eq!(list["more"], 0);
+}
+
 #[test]
 fn what_a_robot_does_not_start_is_refused_with_the_reason() {
     let mut said = Vec::new();

@@ -11,13 +11,14 @@ mod values;
 mod watches;
 
 pub use authority::Authority;
-pub use project_machines::Projects;
+pub use project_machines::{ProjectFolder, Projects};
 
 use crate::carrier::{Carrier, Dialler, StationAddress, any_port};
 use crate::clock::SessionClock;
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
+use crate::machine_lists::MACHINES_FOLDER;
 use crate::meter::{LinkMeter, millis, shortened};
 use crate::pairing::{Paired, Pairing};
 use crate::report::{REPORT_EVERY, Reporter};
@@ -79,7 +80,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let mut session = RobotSession::new(&identity, settings.profile.clone());
     let list = settings.folder.join("runs");
     let clock = SessionClock::begin();
-    let machines = settings.folder.join("machines");
+    let machines = settings.folder.join(MACHINES_FOLDER);
     let (projects, tell) = (settings.projects.clone(), settings.tell);
     let parcels = parcels::begin(&machines, projects, inbox.sender(), tell)
         .map_err(|source| RelayError::Folder { path: machines, source })?;

@@ -106,7 +106,7 @@ impl SentParcels {
             let progress = session.progress(ids::parcel(*name));
             progress.is_some_and(|(_, missing)| missing == 0)
         };
-        let of_machine = parcels().find(|kept| kept.machine == machine);
+        let of_machine = parcels().find(|kept| kept.machine == Some(machine));
         of_machine.is_some_and(|kept| is_had(&kept.name) && kept.needs.iter().all(is_had))
     }
 
@@ -216,6 +216,7 @@ impl ParcelMaker {
         };
         let ranks = [
             (Rank::Needed, of_runs(false)),
+            (Rank::Needed, self.projects.list().into_iter().collect()),
             (Rank::Ahead, self.with_needs(self.projects.ahead())),
             (Rank::Last, of_runs(true)),
         ];

@@ -3,9 +3,11 @@
 
 use crate::about::PARCEL_MAX;
 use crate::parcels::Parcels;
+use rafcon_protocol::api::{MachineFile, RobotMachines};
 use rafcon_storage::files::HEADER;
 use rafcon_storage::journal::Hash;
 use rafcon_storage::{Libraries, Packer, Root, load};
+use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -14,16 +16,27 @@ use std::path::{Path, PathBuf};
 
 /// Limit of machines that are sent ahead. The newest are chosen.
 const MACHINES_MAX: usize = 16;
-/// Limit of their files in bytes.
+/// Limit of machines that are listed. The newest are chosen.
+const LISTED_MAX: usize = 200;
+/// Limit of the files that are sent ahead, in bytes.
 const BYTES_MAX: usize = PARCEL_MAX;
 /// Limit of scanned files and folders.
 const ENTRIES_MAX: usize = 50_000;
+
+/// A project of a server.
+#[derive(Debug, Clone)]
+pub struct ProjectFolder {
+    /// Id of the project at the server.
+    pub id: String,
+    /// The folder with its machines.
+    pub folder: PathBuf,
+}
 
 /// Projects of a server.
 #[derive(Debug, Clone, Default)]
 pub struct Projects {
     /// The folders with machines.
-    pub folders: Vec<PathBuf>,
+    pub folders: Vec<ProjectFolder>,
     /// The folders with libraries.
     pub libraries: Vec<Root>,
 }
@@ -32,10 +45,23 @@ pub struct Projects {
 #[derive(Debug)]
 pub(super) struct ProjectMachines {
     projects: Projects,
-    seen: Option<(Stamp, Vec<(Stamp, PathBuf)>)>,
+    seen: Option<(Stamp, Vec<FoundMachine>)>,
+    /// The name of the parcel with the list of all machines.
+    list: Option<Hash>,
     packed: BTreeMap<PathBuf, PackedMachine>,
     /// The hashes of the manifests of those that are sent.
     ahead: Vec<Hash>,
+}
+
+/// A folder with a machine, ordered by its last change.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+struct FoundMachine {
+    files: Stamp,
+    folder: PathBuf,
+    /// Id of its project.
+    project: String,
+    /// Path from the project's folder.
+    path: String,
 }
 
 #[derive(Debug, Clone)]
@@ -55,7 +81,12 @@ struct Stamp {
 
 impl ProjectMachines {
     pub(super) fn new(projects: Projects) -> Self {
-        Self { projects, seen: None, packed: BTreeMap::new(), ahead: Vec::new() }
+        Self { projects, seen: None, list: None, packed: BTreeMap::new(), ahead: Vec::new() }
+    }
+
+    /// The name of the parcel with the list of all machines.
+    pub(super) fn list(&self) -> Option<Hash> {
+        self.list
     }
 
     /// The hashes of the manifests of those that are sent.
@@ -69,17 +100,18 @@ impl ProjectMachines {
         let roots = self.projects.libraries.iter().map(|root| root.dir.clone()).collect::<Vec<_>>();
         let libraries = stamp(&roots, &mut left);
         let mut found = Vec::new();
-        for folder in &self.projects.folders {
-            find_machines(folder, &roots, &mut left, &mut found);
+        for project in &self.projects.folders {
+            find_machines(project, &roots, &mut left, &mut found);
         }
         found.sort_by(|a, b| b.cmp(a));
-        found.truncate(MACHINES_MAX);
-        let seen = Some((libraries.clone(), found.clone()));
-        if self.seen == seen {
+        if self.seen.as_ref().is_some_and(|(before, seen)| (before, seen) == (&libraries, &found)) {
             return Ok(false);
         }
+        self.list_machines(&found, parcels)?;
+        let seen = Some((libraries.clone(), found.clone()));
+        found.truncate(MACHINES_MAX);
         let (mut room, mut ahead, mut packed) = (BYTES_MAX, Vec::new(), BTreeMap::new());
-        for (files, folder) in found {
+        for FoundMachine { files, folder, .. } in found {
             let stamps = (files, libraries.clone());
             let before = self.packed.get(&folder).filter(|before| before.stamps == stamps);
             let Some(machine) = (match before {
@@ -98,6 +130,34 @@ impl ProjectMachines {
         Ok(true)
     }
 
+    /// Makes a parcel of the list of these machines, if it is another one than before.
+    fn list_machines(&mut self, found: &[FoundMachine], parcels: &mut Parcels) -> io::Result<()> {
+        let file = |machine: &FoundMachine| MachineFile {
+            project: machine.project.clone(),
+            path: machine.path.clone(),
+        };
+        let before = parcels.machine_list().unwrap_or_default();
+        let mut list = RobotMachines {
+            made_ms: clock::since_1970_ms().max(before.made_ms + 1),
+            machines: found.iter().take(LISTED_MAX).map(file).collect(),
+            more: u32::try_from(found.len().saturating_sub(LISTED_MAX)).unwrap_or(u32::MAX),
+        };
+        if (&list.machines, list.more) == (&before.machines, before.more) {
+            list.made_ms = before.made_ms;
+        }
+        // Long paths: fewer are listed.
+        let kept = loop {
+            let kept = parcels.add_list(&list)?;
+            if kept.is_some() || list.machines.pop().is_none() {
+                break kept;
+            }
+            list.more = list.more.saturating_add(1);
+        };
+        self.list = kept.map(|kept| kept.name);
+        parcels.drop_old_lists();
+        Ok(())
+    }
+
     /// Makes a parcel of a machine, if it can be read.
     fn pack(
         &self,
@@ -108,7 +168,8 @@ impl ProjectMachines {
     ) -> io::Result<Option<PackedMachine>> {
         let roots = self.projects.libraries.clone();
         let homes = roots.iter().map(|root| real(&root.dir));
-        let homes = homes.chain(self.projects.folders.iter().map(|folder| real(folder))).collect();
+        let projects = self.projects.folders.iter().map(|project| real(&project.folder));
+        let homes = homes.chain(projects).collect();
         let libraries = Libraries::new(roots).within(homes);
         let Ok(loaded) = load(folder, &libraries) else { return Ok(None) };
         let pack = Packer::default().pack(&loaded.machine, Some(&loaded.saved), &libraries);
@@ -124,17 +185,21 @@ fn real(folder: &Path) -> PathBuf {
     fs::canonicalize(folder).unwrap_or_else(|_gone| folder.to_owned())
 }
 
-/// Adds the machines in a folder that are not in `hidden`; a link is not followed.
+/// Adds the machines in a project that are not in `hidden`; a link is not followed. A path that is no text is skipped.
 fn find_machines(
-    folder: &Path,
+    project: &ProjectFolder,
     hidden: &[PathBuf],
     left: &mut usize,
-    found: &mut Vec<(Stamp, PathBuf)>,
+    found: &mut Vec<FoundMachine>,
 ) {
-    let mut open = vec![folder.to_owned()];
+    let mut open = vec![project.folder.clone()];
     while let Some(folder) = open.pop().filter(|_| *left > 0) {
         if folder.join(HEADER).symlink_metadata().is_ok_and(|header| header.is_file()) {
-            found.push((stamp(std::slice::from_ref(&folder), left), folder));
+            let files = stamp(std::slice::from_ref(&folder), left);
+            let path = folder.strip_prefix(&project.folder).ok().and_then(Path::to_str);
+            if let Some(path) = path.map(str::to_owned) {
+                found.push(FoundMachine { files, folder, project: project.id.clone(), path });
+            }
             continue;
         }
         for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
@@ -179,6 +244,7 @@ fn stamp(folders: &[PathBuf], left: &mut usize) -> Stamp {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::about::MACHINE_LIST_MAX;
     use rafcon_storage::config::Naming;
     use rafcon_storage::save;
     use rafcon_testkit::notation;
@@ -193,7 +259,7 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let (project, kept) = (place.path().join("project"), place.path().join("kept"));
         let mut parcels = Parcels::open(&kept).unwrap();
-        let folders = vec![project.clone()];
+        let folders = vec![ProjectFolder { id: "p".to_owned(), folder: project.clone() }];
         let mut machines = ProjectMachines::new(Projects { folders, libraries: Vec::new() });
         for number in 0..MACHINES_MAX {
             write(&project.join(number.to_string()), &format!("x = {number}"));
@@ -209,7 +275,62 @@ mod tests {
         write(&project.join("large"), &"#".repeat(BYTES_MAX + 1));
         assert!(machines.scan(&mut parcels).unwrap());
         assert_eq!(machines.ahead().len(), MACHINES_MAX - 1);
-        assert_eq!(parcels.all().len(), MACHINES_MAX + 1);
+        let of_machines = parcels.all().iter().filter(|kept| kept.machine.is_some());
+        assert_eq!(of_machines.count(), MACHINES_MAX + 1);
+    }
+
+    #[test]
+    fn the_list_has_the_newest_machines_and_is_another_one_after_each_change() {
+        let place = tempfile::tempdir().unwrap();
+        let (project, kept) = (place.path().join("project"), place.path().join("kept"));
+        let projects = || Projects {
+            folders: vec![ProjectFolder { id: "p".to_owned(), folder: project.clone() }],
+            libraries: Vec::new(),
+        };
+        let mut parcels = Parcels::open(&kept).unwrap();
+        let mut scan = |machines: &mut ProjectMachines| {
+            machines.scan(&mut parcels).unwrap();
+            let list = parcels.machine_list().unwrap();
+            assert_eq!(parcels.find(machines.list().unwrap()).unwrap().machine, None);
+            list
+        };
+        let mut machines = ProjectMachines::new(projects());
+        let none = scan(&mut machines);
+        assert_eq!((none.machines.len(), none.more), (0, 0));
+        write(&project.join("a/b"), "x = 1");
+        let one = scan(&mut machines);
+        let file = |path: &str| MachineFile { project: "p".to_owned(), path: path.to_owned() };
+        assert_eq!(one.machines, [file("a/b")]);
+        // A list as before is newer than the one between.
+        fs::remove_dir_all(project.join("a")).unwrap();
+        let none_again = scan(&mut machines);
+        assert_eq!(none_again.machines, []);
+        assert!(none.made_ms < one.made_ms && one.made_ms < none_again.made_ms);
+        // A restart makes no other list of the same machines.
+        assert_eq!(scan(&mut ProjectMachines::new(projects())), none_again);
+        for number in 0..LISTED_MAX + 3 {
+            write(&project.join(number.to_string()), "x = 1");
+        }
+        let many = scan(&mut machines);
+        assert_eq!((many.machines.len(), many.more), (LISTED_MAX, 3));
+    }
+
+    #[test]
+    fn of_long_paths_as_many_are_listed_as_fit() {
+        let place = tempfile::tempdir().unwrap();
+        let (project, kept) = (place.path().join("project"), place.path().join("kept"));
+        let deep: PathBuf = ["n".repeat(200), "m".repeat(200)].iter().collect();
+        for number in 0..LISTED_MAX {
+            write(&project.join(&deep).join(number.to_string()), "x = 1");
+        }
+        let folders = vec![ProjectFolder { id: "p".to_owned(), folder: project }];
+        let mut machines = ProjectMachines::new(Projects { folders, libraries: Vec::new() });
+        let mut parcels = Parcels::open(&kept).unwrap();
+        machines.scan(&mut parcels).unwrap();
+        let list = parcels.machine_list().unwrap();
+        assert!(serde_json::to_vec(&list).unwrap().len() <= MACHINE_LIST_MAX);
+        assert!(list.more > 0);
+        assert_eq!(list.machines.len() + list.more as usize, LISTED_MAX);
     }
 
     #[test]
@@ -221,7 +342,8 @@ mod tests {
         write(&place.path().join("9/machine"), "x = 1");
         let found = |left: usize| {
             let (mut left, mut found) = (left, Vec::new());
-            find_machines(place.path(), &[], &mut left, &mut found);
+            let project = ProjectFolder { id: "p".to_owned(), folder: place.path().to_owned() };
+            find_machines(&project, &[], &mut left, &mut found);
             (found.len(), left)
         };
         let (machines, left) = found(ENTRIES_MAX);

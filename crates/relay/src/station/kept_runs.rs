@@ -12,6 +12,7 @@ use crate::about::{AboutReader, AboutRecord, Taken};
 use crate::clock::SessionClock;
 use crate::ids;
 use crate::inbox::Input;
+use crate::machine_lists::MachineLists;
 use crate::pairing::Paired;
 use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
@@ -49,6 +50,7 @@ pub(super) struct Place {
     pub(super) clock: SessionClock,
     pub(super) inbox: SyncSender<Input<ToStation>>,
     pub(super) paired: Paired,
+    pub(super) machines: MachineLists,
 }
 
 /// The runs of one robot.
@@ -159,6 +161,7 @@ impl KeptRuns {
         let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), Duration::ZERO);
         let refused = VecDeque::new();
         let completed = CompletedRuns::read(start.folder());
+        place.machines.set(&place.robot, parcels.machine_list());
         let (parts, are_stuck, came, problem) = (VecDeque::new(), false, 0, None);
         Self {
             place,
@@ -335,6 +338,9 @@ impl KeptRuns {
         {
             let TakenPart { is_whole, gone } = self.parcels.take(*stream, part)?;
             self.came += u64::from(is_whole);
+            if is_whole {
+                self.place.machines.set(&self.place.robot, self.parcels.machine_list());
+            }
             *written += self.parts.pop_front().map_or(0, |(_, part)| Work::Part(part).cost());
             if !gone.is_empty() {
                 self.place.say(FromDisk::ParcelsGone(gone));

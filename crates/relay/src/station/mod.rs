@@ -27,6 +27,7 @@ use crate::command_lists::CommandListStore;
 use crate::contacts::ContactStore;
 use crate::error::RelayError;
 use crate::inbox::{Inbox, Input, Stopper};
+use crate::machine_lists::MachineLists;
 use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::requests::RequestBroker;
@@ -87,6 +88,8 @@ pub struct StationSettings {
     pub contacts: ContactStore,
     /// Command lists for the robots.
     pub lists: CommandListStore,
+    /// Lists of the robots' machines.
+    pub machines: MachineLists,
     /// Told what goes wrong.
     pub tell: fn(&str),
 }

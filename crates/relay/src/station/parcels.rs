@@ -5,6 +5,7 @@ use crate::about::{HEAD, PARCEL_MAX, PART, record_length};
 use crate::ids;
 use crate::parcels::Parcels;
 use rafcon_link::StreamId;
+use rafcon_protocol::api::RobotMachines;
 use rafcon_storage::journal::{EventItems, Hash, Pack};
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
@@ -99,6 +100,11 @@ impl StationParcels {
         self.parcels.pack(machine)
     }
 
+    /// The list of the robot's machines that came last.
+    pub(super) fn machine_list(&self) -> Option<RobotMachines> {
+        self.parcels.machine_list()
+    }
+
     /// Takes the next part of a parcel. What makes no sense is not kept.
     pub(super) fn take(&mut self, stream: StreamId, part: &EventItems) -> io::Result<TakenPart> {
         let mut taken = TakenPart::default();
@@ -132,6 +138,7 @@ impl StationParcels {
             let bytes = fs::read(&path)?;
             let is_it = ids::parcel(Hash::of(&bytes)) == stream;
             taken.is_whole = is_it && self.parcels.add(&bytes)?.is_some();
+            taken.gone.extend(self.parcels.drop_old_lists().iter().map(|kept| kept.stream()));
         }
         self.drop_coming(stream);
         if !taken.is_whole {
@@ -185,6 +192,7 @@ mod tests {
     use crate::about::{HEAD, PART};
     use crate::parcels::Parcels;
     use rafcon_link::StreamId;
+    use rafcon_protocol::api::{MachineFile, RobotMachines};
     use rafcon_storage::journal::{EventItems, Pack};
     use rafcon_storage::{Libraries, Packer};
     use rafcon_testkit::notation;
@@ -235,6 +243,25 @@ mod tests {
         let here = StationParcels::open(folder.path()).unwrap();
         assert!(here.restored()[0].is_whole);
         assert_eq!(here.pack(pack.manifest.hash()), Some(pack));
+    }
+
+    #[test]
+    fn the_list_of_machines_is_the_one_that_came_last() {
+        let (folder, robot) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let mut here = StationParcels::open(folder.path()).unwrap();
+        let mut at_robot = Parcels::open(robot.path()).unwrap();
+        assert_eq!(here.machine_list(), None);
+        let mut streams = Vec::new();
+        for made_ms in [7, 5] {
+            let file = MachineFile { project: "missions".to_owned(), path: "drive".to_owned() };
+            let list = RobotMachines { made_ms, machines: vec![file], more: 0 };
+            let kept = at_robot.add_list(&list).unwrap().unwrap();
+            let taken = here.take(kept.stream(), &part(1, kept.part(1).unwrap())).unwrap();
+            assert_eq!(taken, TakenPart { is_whole: true, gone: streams.clone() });
+            streams.push(kept.stream());
+            assert_eq!(here.machine_list().as_ref(), Some(&list));
+            assert_eq!(StationParcels::open(folder.path()).unwrap().machine_list(), Some(list));
+        }
     }
 
     #[test]

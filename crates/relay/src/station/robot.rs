@@ -24,6 +24,7 @@ use crate::contacts::{ContactStore, KnownContacts};
 use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::Input;
+use crate::machine_lists::MACHINES_FOLDER;
 use crate::meter::{LinkMeter, millis, shortened};
 use crate::pairing::{Paired, Pairing};
 use crate::request_words;
@@ -118,11 +119,19 @@ impl StationRobot {
         let values = StationValues::begin(settings, &pairing.robot, number, inbox.clone());
         let values = values.map_err(|source| RelayError::Thread { source })?;
         let (robot, runs) = (pairing.robot.clone(), settings.runs.clone());
-        let machines = folder.join("machines");
+        let machines = folder.join(MACHINES_FOLDER);
         let parcels = StationParcels::open(&machines)
             .map_err(|source| RelayError::Folder { path: machines, source })?;
         let mut kept = KeptRuns::new(
-            Place { number, robot, runs, clock, inbox, paired: paired.clone() },
+            Place {
+                number,
+                robot,
+                runs,
+                clock,
+                inbox,
+                paired: paired.clone(),
+                machines: settings.machines.clone(),
+            },
             start,
             parcels,
         );

@@ -34,6 +34,13 @@ pub(crate) struct Projects {
     searches: Gate,
 }
 
+/// The ids of the projects of a server with these folders, each with its folder without links.
+pub fn project_ids(folders: &[PathBuf]) -> Vec<(String, PathBuf)> {
+    let folders: Vec<_> = folders.iter().map(|folder| at_home(folder)).collect();
+    let ids = names::named(folders.iter().cloned()).into_iter().map(|project| project.id);
+    ids.zip(folders).collect()
+}
+
 impl Projects {
     /// The projects of these settings.
     pub(crate) fn new(settings: &Settings) -> Self {

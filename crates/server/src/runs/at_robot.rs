@@ -4,14 +4,20 @@ use super::commands::COMMAND_TIMEOUT;
 use super::resume::EXPIRED;
 use super::start::{check, start_again_here};
 use crate::access::{Who, of_start};
-use crate::settings::NotTaken;
+use crate::extract::Path;
+use crate::settings::{MachinesFault, NotTaken};
 use crate::{Failure, ServerState};
+use axum::Json;
+use axum::extract::State;
 use rafcon_protocol::api::{
-    Right, RobotAnswer, RobotRequest, StartAgain, StartOf, StartRequest, StartRun, StartedRun,
+    Refusal, Right, RobotAnswer, RobotMachines, RobotRequest, StartAgain, StartOf, StartRequest,
+    StartRun, StartedRun,
 };
 use std::sync::Arc;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
 
 /// Sends a user's request to a robot and waits for its result. Returns the id of the run.
 pub(super) async fn carry_out(
@@ -62,6 +68,49 @@ pub(super) async fn carry_out(
             Err(Failure::unavailable("not_finished", message))
         }
     }
+}
+
+/// The routes of this file.
+pub(super) fn routes() -> OpenApiRouter<Arc<ServerState>> {
+    OpenApiRouter::new().routes(routes!(robots)).routes(routes!(machines))
+}
+
+/// Names of the robots that this server receives as their station. Empty at any other server.
+#[utoipa::path(get, path = "/api/v1/robots", tag = "runs",
+    responses((status = 200, description = "The names, in their order", body = [String]))
+)]
+async fn robots(State(server): State<Arc<ServerState>>) -> Json<Vec<String>> {
+    let robots = server.settings.robots.as_ref();
+    Json(robots.map(|robots| robots.names()).unwrap_or_default())
+}
+
+/// The machines in the projects of a robot, which it can start.
+///
+/// The robot sends the list after each change, so it is as old as the signal of the robot.
+#[utoipa::path(get, path = "/api/v1/robots/{robot}/machines", tag = "runs",
+    params(("robot" = String, Path, description = "The robot's name at this station")),
+    responses(
+        (status = 200, description = "The list that arrived last", body = RobotMachines),
+        (status = 404, description = "This server receives no such robot", body = Refusal),
+        (status = 503, description = "No list has arrived yet", body = Refusal),
+    )
+)]
+async fn machines(
+    State(server): State<Arc<ServerState>>,
+    Path(robot): Path<String>,
+) -> Result<Json<RobotMachines>, Failure> {
+    let failed = |why| match why {
+        MachinesFault::NotReceived(why) => {
+            Failure::not_found("no_such_robot", format!("robot {robot}: {why}"))
+        }
+        MachinesFault::NotArrived(why) => {
+            Failure::unavailable("machines_unknown", format!("robot {robot}: {why}"))
+        }
+    };
+    let robots = server.settings.robots.as_ref().ok_or_else(|| {
+        failed(MachinesFault::NotReceived("this server is no station".to_owned()))
+    })?;
+    robots.machines(&robot).map(Json).map_err(failed)
 }
 
 /// Asks a robot to start a machine of its projects.

@@ -34,6 +34,7 @@ pub(crate) fn routes() -> OpenApiRouter<Arc<ServerState>> {
         .routes(routes!(globals))
         .routes(routes!(results))
         .routes(routes!(written))
+        .merge(at_robot::routes())
         .merge(contacts::routes())
         .merge(command_lists::routes())
 }

@@ -2,9 +2,11 @@
 
 use crate::harness::{Answer, TestServer};
 use expect_test::{Expect, expect};
-use rafcon_protocol::api::{ListRequest, RobotAnswer, RobotRequest, Role, ValueFetch};
+use rafcon_protocol::api::{
+    ListRequest, RobotAnswer, RobotMachines, RobotRequest, Role, ValueFetch,
+};
 use rafcon_protocol::{CommandList, ContactPlan, ListLine, ListRelease, ListedCommand};
-use rafcon_server::{CommandListFault, ContactsFault, NotTaken, Robots};
+use rafcon_server::{CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 
@@ -58,6 +60,16 @@ impl Robots for OneRobot {
         _: Box<dyn FnOnce(RobotAnswer) + Send>,
     ) -> Result<(), NotTaken> {
         Err(NotTaken::Full("no room".to_owned()))
+    }
+
+    fn names(&self) -> Vec<String> {
+        vec!["scout".to_owned()]
+    }
+
+    fn machines(&self, robot: &str) -> Result<RobotMachines, MachinesFault> {
+        known(robot)
+            .map_err(|_fault| MachinesFault::NotReceived("no such robot here".to_owned()))?;
+        Err(MachinesFault::NotArrived("no list yet".to_owned()))
     }
 
     fn cost(&self, _: &str, _: u64) -> Option<(u64, Option<u64>)> {
@@ -208,4 +220,18 @@ fn a_server_that_does_not_receive_the_robot_has_no_contacts_with_it() {
     let no_station = TestServer::new();
     assert_eq!(get(&no_station, Role::Viewer).said(), "404 no_such_robot");
     assert_eq!(set(&station(true), "scout", &json!([])).said(), "503 contacts_unavailable");
+}
+
+#[test]
+fn viewers_see_the_robots_of_a_station_and_that_their_machines_are_unknown() {
+    let see = |server: &TestServer, path: &str| {
+        let answer = server.call(Some(Role::Viewer), "GET", &format!("/api/v1/robots{path}"), None);
+        if answer.status == 200 { answer.json().to_string() } else { answer.said() }
+    };
+    let (ground, no_station) = (station(false), TestServer::new());
+    assert_eq!(see(&ground, ""), r#"["scout"]"#);
+    assert_eq!(see(&no_station, ""), "[]");
+    assert_eq!(see(&ground, "/scout/machines"), "503 machines_unknown");
+    assert_eq!(see(&ground, "/mule/machines"), "404 no_such_robot");
+    assert_eq!(see(&no_station, "/scout/machines"), "404 no_such_robot");
 }

@@ -75,6 +75,14 @@ const SettingsDialog = onDemand(
   framed,
 );
 
+const StartAtRobot = onDemand(
+  async () =>
+    (await import("./start_at_robot.tsx")).StartAtRobot as FunctionComponent<
+      AskedDialogProps<never>
+    >,
+  framed,
+);
+
 const Palette = onDemand(async () => (await import("../palette.tsx")).Palette);
 
 /** The dialogs that are loaded when they are first asked, or once the page has nothing else to do. */
@@ -90,6 +98,7 @@ export const LATER_DIALOGS: readonly OnDemand<never>[] = [
   SaveAs,
   SetAside,
   SettingsDialog,
+  StartAtRobot,
 ];
 
 /** All dialogs by name. */
@@ -103,6 +112,7 @@ export const DIALOGS: Readonly<
   library: LibraryChooser,
   colour: Colour,
   "start-run": StartRunDialog,
+  "start-at-robot": StartAtRobot,
   "resume-crashed": ResumeCrashed,
   "set-aside": SetAside,
   breakpoint: BreakpointDialog,

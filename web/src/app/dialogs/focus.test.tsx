@@ -25,6 +25,7 @@ const ASKS: Readonly<Record<OpenDialog["name"], (tab: OpenTab) => unknown>> = {
   colour: () => null,
   "start-run": (tab) => tab,
   "resume-crashed": () => watched(runLine("crashed")).watch,
+  "start-at-robot": () => undefined,
   "set-aside": (tab) => tab,
   breakpoint: () => newBreakpoint(1, "R"),
   keys: () => undefined,

@@ -20,6 +20,7 @@ export interface Beside {
   readonly session?: MachineSession;
   readonly watch?: Watch | null;
   readonly runs?: readonly RunSummary[];
+  readonly robots?: Page["robots"];
   /** Answers of the server by method and path. */
   readonly serve?: (request: string) => unknown;
 }
@@ -42,6 +43,7 @@ export function shown(part: (tab: OpenTab) => ReactElement, beside: Beside = {})
     server: { ...plain.server, pulse: signal({ ...pulse, delay_ms: 3 }) },
     projects: signal([]),
     libraries: signal([]),
+    robots: beside.robots ?? signal([]),
     serverStatus: signal(null),
     runs: { all: signal(beside.runs ?? []), get: () => new Promise(() => {}) },
     tabs: signal([tab]),

@@ -88,6 +88,7 @@ function pageOf(tab: OpenTab, record: string[], options: TestContextOptions): Pa
     tabs,
     active: signal(tab),
     settings: signal(FIRST_SETTINGS),
+    robots: signal([]),
     tell: ({ text }: { text: string }) => record.push(`tell ${text}`),
     leave: (left: OpenTab) => {
       record.push("leave");

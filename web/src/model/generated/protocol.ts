@@ -1929,6 +1929,15 @@ export type RevisionsFrom = {
 /** Right that a request needs. [`Role`]s grant rights. */
 export type Right = "anyone" | "observe" | "command" | "start" | "edit" | "administer";
 
+/** The machines in the projects of a robot, as its station knows them. */
+export type RobotMachines = {
+  /** When the robot made this list, by its calendar: ms since 1970, UTC. It makes another one after each change of its machines. */
+  made_ms: number,
+  /** The machines, the one that changed last first; at most 200. */
+  machines: Array<MachineFile>,
+  /** Number of further machines. */
+  more: number, };
+
 /** Role of a user. */
 export type Role = "viewer" | "operator" | "engineer" | "admin";
 

@@ -94,6 +94,8 @@ export interface Runs {
   readonly watch: (run: string) => Watch;
   /** Starts a run and returns its id. Throws a `RefusalError`. */
   readonly start: (start: Start) => Promise<string>;
+  /** Has a robot of this station start a machine of its projects; returns the id of the run. Throws a `RefusalError`. */
+  readonly startAtRobot: (robot: string, start: Start) => Promise<string>;
   /** Requests data below `/runs/{run}`: `events?…`, `statistics`, `compare/…`. Throws a `RefusalError`. */
   readonly get: <T>(run: string, what: string) => Promise<T>;
   /** Fetches a large value from its robot, or cancels that. Throws a `RefusalError`. */

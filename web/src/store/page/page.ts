@@ -74,6 +74,8 @@ export interface Page {
   readonly serverStatus: ReadonlySignal<ServerStatus | null>;
   readonly projects: ReadonlySignal<readonly Project[]>;
   readonly libraries: ReadonlySignal<readonly LibraryRoot[]>;
+  /** Names of the robots that the server receives as their station. */
+  readonly robots: ReadonlySignal<readonly string[]>;
   readonly runs: Runs;
   readonly tabs: Signal<readonly OpenTab[]>;
   /** The machine in front. */

@@ -154,10 +154,11 @@ fn start_run(raw: &cli::Run, server: &Arc<Server>) -> Result<StartRun> {
 }
 
 fn machine(raw: &cli::Run) -> Result<MachineFile> {
-    let text = raw.path.to_str().map(|text| text.trim_end_matches('/'));
-    match text.and_then(|text| text.split_once('/')) {
+    match raw.path.to_str().and_then(|text| text.split_once('/')) {
+        // A project can be a machine itself: its path ends with the slash.
         Some((project, path)) if !project.is_empty() => {
-            Ok(MachineFile { project: project.to_owned(), path: path.to_owned() })
+            let path = path.trim_end_matches('/').to_owned();
+            Ok(MachineFile { project: project.to_owned(), path })
         }
         _ => {
             let path = raw.path.display();

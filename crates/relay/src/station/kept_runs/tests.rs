@@ -1,6 +1,7 @@
 //! The bounds of what a station remembers of the replicas on its disk.
 
 use super::*;
+use crate::machine_lists::MachineLists;
 use crate::pairing::Pairing;
 use crate::short_journal::{begun, ended};
 use crate::start::Start;
@@ -18,6 +19,7 @@ fn kept_runs(folder: &Path) -> KeptRuns {
         clock: SessionClock::begin(),
         inbox,
         paired: Paired { pairing, file, next },
+        machines: MachineLists::default(),
     };
     let start = Start::begin(&folder.join("ground")).unwrap();
     let parcels = StationParcels::open(&folder.join("machines")).unwrap();

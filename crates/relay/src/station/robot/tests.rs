@@ -4,6 +4,7 @@ use super::*;
 use crate::command_lists::CommandListStore;
 use crate::contacts::ContactStore;
 use crate::inbox::Inbox;
+use crate::machine_lists::MachineLists;
 use crate::requests::RequestBroker;
 use crate::station::viewers::Shared;
 use crate::value_fetch_broker::ValueFetchBroker;
@@ -28,6 +29,7 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         server_requests: RequestBroker::default(),
         contacts: ContactStore::default(),
         lists: CommandListStore::new(|_| Right::Command),
+        machines: MachineLists::default(),
         tell: |_| {},
     };
     let inbox = Inbox::new();
