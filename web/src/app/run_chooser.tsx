@@ -10,11 +10,10 @@ import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStatusView } from "../panels/parts/run_status_mark.tsx";
 import { useRunAge } from "../panels/run_age.ts";
 import type { Watch } from "../store/history/run.ts";
-import { clock1s } from "../store/page/clock1s.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { startedAt } from "../store/page/times.ts";
-import { isGoingOn, truthAge } from "../store/run/age.ts";
-import { elapsedNow } from "../store/run/run_clock.ts";
+import { isGoingOn } from "../store/run/age.ts";
+import { elapsedAtDataEnd } from "../store/run/data_end.ts";
 import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { isSameRecord, useComputed, useSignal } from "../ui/signals.ts";
@@ -79,9 +78,7 @@ function RunStatusMark({ watch }: { watch: Watch }) {
   const elapsed = useComputed(() => {
     const now = watch.now.value;
     const isTicking = now !== null && isGoingOn(now);
-    // Nothing is reckoned on from what may be old.
-    const at_ms = isTicking ? clock1s.value - truthAge(page, watch, clock1s.value).age_ms : 0;
-    const ms = elapsedNow(page, watch, at_ms);
+    const ms = elapsedAtDataEnd(page, watch);
     return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);
   const { isOld, age_ms } = useRunAge(page, watch);

@@ -8,10 +8,10 @@ import { type CountUntil, countsUntil } from "../store/history/counts_until.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import { breakpointsOf } from "../store/run/breakpoints.ts";
+import { sinceSnapshot } from "../store/run/data_end.ts";
 import { heatOf } from "../store/run/heat.ts";
 import { runMarks } from "../store/run/marks.ts";
 import { portValues } from "../store/run/port_values.ts";
-import { sinceSnapshot } from "../store/run/since_snapshot.ts";
 import { computedWith, isSameList } from "../ui/signals.ts";
 
 /** Length of a value's tooltip, in characters. */

@@ -8,8 +8,8 @@ interface Sample {
   readonly ahead_ms: number;
 }
 
-/** Interval of the pings, with or without answers. */
-export const PING_MS = 2_000;
+/** Interval of the pings, with or without answers. Clocks of runs go no further than the last answer. */
+export const PING_MS = 1_000;
 /** Age from which shown data is old, in addition to the delay. */
 const OLD_MS = 4_000;
 /** Silence after which another connection is tried, in addition to the delay. The silent one stays open. */

@@ -9,6 +9,7 @@ import type { Watch } from "../../store/history/run.ts";
 import { pictureOf, type StateStatus, stateStatusOf } from "../../store/run/state_status.ts";
 import { useSignal } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
+import { AsOf } from "../parts/as_of.tsx";
 import { growing, measured } from "../parts/duration.ts";
 import { useDetail } from "../parts/value/use_detail.ts";
 import { useSinceSnapshot } from "../since_snapshot.ts";
@@ -135,10 +136,14 @@ function Facts({ watch, status }: FactsProps) {
 /** Time since the state became active. It grows between snapshots while the run is received. */
 function Since({ watch, status }: FactsProps) {
   const sinceSnapshot_ms = useSinceSnapshot(watch);
+  const isLive = useSignal(watch.playhead) === null;
   return (
     <>
       <dt>Since</dt>
-      <dd>{growing((status.active?.since_ms ?? 0) + sinceSnapshot_ms)}</dd>
+      <dd>
+        {growing((status.active?.since_ms ?? 0) + sinceSnapshot_ms)}
+        {isLive && <AsOf watch={watch} />}
+      </dd>
     </>
   );
 }

@@ -28,7 +28,7 @@ const CARDS_MAX = 12;
 
 export function Branches({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
-  const { all: shown, sinceSnapshot_ms, confirmed_ms } = useCalmLanes(page, watch);
+  const { all: shown, sinceSnapshot_ms } = useCalmLanes(page, watch);
   const names = useMachineNames();
   const past = useComputed(
     () => pastBaselines(page, earlierRuns(page, watch)[0]?.id ?? null).value,
@@ -47,7 +47,6 @@ export function Branches({ watch }: { readonly watch: Watch }) {
             last={lastEndBeside(watch, placeOfLane(lane))}
             baseline={baselineOf(watch, past, lane.path)}
             sinceSnapshot_ms={sinceSnapshot_ms}
-            confirmed_ms={confirmed_ms}
           />
         ))}
       </ul>
@@ -98,15 +97,13 @@ interface CardProps {
   readonly last: LastEnd | null;
   readonly baseline: Baseline | null;
   readonly sinceSnapshot_ms: number;
-  readonly confirmed_ms: number;
 }
 
-function Card({ lane, names, last, baseline, sinceSnapshot_ms, confirmed_ms }: CardProps) {
+function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
   const host = useHost();
   const place = placeOfLane(lane);
   const since_ms = lane.since_ms + sinceSnapshot_ms;
-  const isLong =
-    baseline !== null && isLongerThanEver(lane, baseline, lane.since_ms + confirmed_ms);
+  const isLong = baseline !== null && isLongerThanEver(lane, baseline, since_ms);
   const { Sign } = PHASES[lane.phase];
   const around = pathInWords(names, place).split(" › ");
   const name = around.pop() ?? lane.name;

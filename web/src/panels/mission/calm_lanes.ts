@@ -5,7 +5,7 @@ import { useMemo } from "react";
 import type { Watch } from "../../store/history/run.ts";
 import type { Page } from "../../store/page/page.ts";
 import { type Active, activeStates, lanes } from "../../store/run/active.ts";
-import { confirmedSinceSnapshot, sinceSnapshot } from "../../store/run/since_snapshot.ts";
+import { sinceSnapshot } from "../../store/run/data_end.ts";
 import { isSameList, useComputed } from "../../ui/signals.ts";
 import { useThrottled } from "../../ui/throttled.ts";
 import { inOrder } from "../parts/branch.ts";
@@ -16,10 +16,8 @@ const PACE_MS = 900;
 interface CalmLanes {
   /** Branches that need a person come first. */
   readonly all: readonly Active[];
-  /** Time since the snapshot with the durations, in ms. */
+  /** Time from the snapshot with the durations to the end of the data, in ms. */
   readonly sinceSnapshot_ms: number;
-  /** Part of that time in which the run was received, in ms. */
-  readonly confirmed_ms: number;
 }
 
 export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
@@ -30,7 +28,6 @@ export function useCalmLanes(page: Page, watch: Watch): CalmLanes {
       computed(() => ({
         all: inOrder(lanes(activeStates(watch))),
         sinceSnapshot_ms: sinceSnapshot(page, watch),
-        confirmed_ms: confirmedSinceSnapshot(page, watch),
       })),
     [page, watch, phases],
   );

@@ -37,7 +37,7 @@ test("of a robot's run it says UTC within its bound and the robot's clock; in a 
   expect(await times(run, { robot } as Partial<RunNow>)).toBe(`mission timeT+00:01:30 | ${clocks}`);
   const dark = { robot, link: "silent", runner_heard_ms: STARTED_MS + 50_000 } as Partial<RunNow>;
   expect(await times(run, dark)).toBe(
-    "mission timeT+00:00:50 | UTC 00:17:28 ± 1.0 sscout’s clock 00:17:30",
+    "mission time, 40 s agoT+00:00:50 | UTC 00:17:28 ± 1.0 s, 40 s agoscout’s clock 00:17:30",
   );
 });
 

@@ -2,14 +2,13 @@
 
 import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import { clockTimes, missionClock, startedAt } from "../../store/page/times.ts";
-import { runAge } from "../../store/run/age.ts";
 import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
-import { elapsedNow } from "../../store/run/run_clock.ts";
+import { elapsedAtDataEnd } from "../../store/run/data_end.ts";
 import { summaryOf } from "../../store/run/running.ts";
 import { isSameRecord, useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
+import { AsOf } from "../parts/as_of.tsx";
 import { duration } from "../parts/duration.ts";
 import { isGoingOn as isSummaryGoingOn } from "./no_run.tsx";
 import { StatusWord } from "./status_word.tsx";
@@ -44,9 +43,7 @@ export function Head({ watch }: { readonly watch: Watch }) {
 function Times({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const elapsed = useComputed(() => {
-    const now_ms = clock1s.value;
-    const age = runAge(page, watch, now_ms);
-    const elapsed_ms = elapsedNow(page, watch, age.isOld ? now_ms - age.age_ms : now_ms);
+    const elapsed_ms = elapsedAtDataEnd(page, watch);
     const now = watch.now.value;
     return now?.run.phase === "finished" ? duration(elapsed_ms) : missionClock(elapsed_ms);
   }, [page, watch]);
@@ -60,7 +57,10 @@ function Times({ watch }: { readonly watch: Watch }) {
   return (
     <dl className="mission-times">
       <div>
-        <dt>{isOver ? "took" : "mission time"}</dt>
+        <dt>
+          {isOver ? "took" : "mission time"}
+          <AsOf watch={watch} />
+        </dt>
         <dd>{elapsed}</dd>
       </div>
       {length !== "" && (
@@ -78,11 +78,8 @@ function Clocks({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const times = useComputed(
     () => {
-      const now = watch.now.value;
-      const now_ms = clock1s.value;
-      const { isOld, age_ms } = runAge(page, watch, now_ms);
-      const t_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms);
-      return { ...clockTimes(watch, t_ms * 1e6), isOver: now?.run.phase === "finished" };
+      const times = clockTimes(watch, elapsedAtDataEnd(page, watch) * 1e6);
+      return { ...times, isOver: watch.now.value?.run.phase === "finished" };
     },
     [page, watch],
     isSameRecord,
@@ -93,6 +90,7 @@ function Clocks({ watch }: { readonly watch: Watch }) {
       <span>
         {times.isOver && "ended at "}UTC{" "}
         <time>{times.utc ?? "unknown: a crash stopped the clock of the run"}</time>
+        <AsOf watch={watch} />
       </span>
       {times.robot && (
         <span>

@@ -51,6 +51,8 @@ test("of a robot that is far away it is said how old the newest is", async () =>
     clock: null,
   };
   expect(await shownFor("up", robot)).toBe("Live: server and robot respond (2.0 s ago)");
+  const silent = { ...robot, heard_ms: STARTED_MS + 53_000 };
+  expect(await shownFor("up", silent)).toBe("Nothing received from the robot for 7 s");
   const mute = { ...robot, reached_ms: null, round_trip_ms: null };
   expect(await shownFor("up", mute)).toBe("Live: server and robot respond (delay unknown)");
 });

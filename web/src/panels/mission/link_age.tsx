@@ -3,10 +3,13 @@
 import { History, Unplug, Wifi } from "lucide-react";
 import type { LinkHealth } from "../../model/generated/protocol.ts";
 import type { Watch } from "../../store/history/run.ts";
+import { clock1s } from "../../store/page/clock1s.ts";
 import type { RunAge } from "../../store/run/age.ts";
+import { silence } from "../../store/run/data_end.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
+import { agePhrase } from "../parts/age.ts";
 import { duration } from "../parts/duration.ts";
 import { useRunAge } from "../run_age.ts";
 
@@ -35,18 +38,27 @@ export function LinkAge({ watch }: { readonly watch: Watch }) {
   );
 }
 
-/** Confirms that the displayed data is current. Hidden after the end of the run. */
+/** Confirms that the displayed data is current, or shows that the robot is silent. Hidden after the end of the run. */
 function IsHeard({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const pulse = useSignal(page.server.pulse);
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
   const robot = useComputed(() => watch.now.value?.robot, [watch]);
+  const silent_ms = useComputed(() => silence(page, watch, clock1s.value), [page, watch]);
   if (phase !== "live" && phase !== "starting") return null;
   const delay = robot
     ? ` (${farAway(robot)})`
     : pulse?.delay_ms == null
       ? ""
       : ` (${Math.max(1, Math.round(pulse.delay_ms))} ms)`;
+  if (silent_ms !== null) {
+    return (
+      <p className="mission-link">
+        <Unplug size={16} aria-hidden />
+        <span>Nothing received from the robot for {agePhrase(silent_ms)}</span>
+      </p>
+    );
+  }
   return (
     <p className="mission-link">
       <Wifi size={16} aria-hidden />

@@ -2,7 +2,6 @@
 
 import { Radar } from "lucide-react";
 import { summaryStatusWords } from "../../model/run_words.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import { startedAt, timeScale } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -97,20 +96,17 @@ function StatusLine({ run }: { readonly run: RunInList }) {
   );
 }
 
-/** Length of a run. An active run grows until the server or the run is silent. */
+/** Length of a run. An active run grows until its last confirmation. */
 function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
     if (!isGoingOn(run)) return duration(run.length_ms);
-    const { ahead_ms, server_ms, old_ms } = page.server.pulse.value ?? NOT_RECEIVED;
-    const now_ms = Math.min(clock1s.value + ahead_ms, server_ms + old_ms);
-    const there_ms = run.unheard_since_ms ?? now_ms;
+    const server_ms = page.server.pulse.value?.server_ms ?? 0;
+    const there_ms = Math.min(run.unheard_since_ms ?? server_ms, server_ms);
     return growing(Math.max(0, there_ms - run.started_ms));
   }, [page, run]);
   return <>{text}</>;
 }
-
-const NOT_RECEIVED = { ahead_ms: 0, server_ms: 0, old_ms: 0 };
 
 type RunInList = Parameters<typeof summaryStatusWords>[0];
 

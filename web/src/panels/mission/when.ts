@@ -1,9 +1,8 @@
 /** Texts about the time of an event in a run. */
 
 import type { Watch } from "../../store/history/run.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
-import { isGoingOn, runAge } from "../../store/run/age.ts";
-import { elapsedNow } from "../../store/run/run_clock.ts";
+import { isGoingOn } from "../../store/run/age.ts";
+import { elapsedAtDataEnd } from "../../store/run/data_end.ts";
 import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { duration, growing } from "../parts/duration.ts";
@@ -14,9 +13,7 @@ export function useWhen(watch: Watch, t_ms: number): string {
   return useComputed(() => {
     const now = watch.now.value;
     if (!now || !isGoingOn(now)) return `after ${growing(t_ms)}`;
-    const now_ms = clock1s.value;
-    const { isOld, age_ms } = runAge(page, watch, now_ms);
-    const ago_ms = elapsedNow(page, watch, isOld ? now_ms - age_ms : now_ms) - t_ms;
+    const ago_ms = elapsedAtDataEnd(page, watch) - t_ms;
     const ago_s = Math.max(0, Math.floor(ago_ms / 1_000));
     return `${ago_s < 60 ? `${ago_s} s` : duration(ago_s * 1_000)} ago`;
   }, [page, watch, t_ms]);

@@ -15,6 +15,7 @@ import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
 import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { AsOf } from "../parts/as_of.tsx";
 import { comesNext, inOrder, PHASES, phaseInWords, toneOf } from "../parts/branch.ts";
 import { duration, growing } from "../parts/duration.ts";
 import { NoRun } from "../parts/no_run.tsx";
@@ -46,7 +47,7 @@ function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch })
     <div className="running shows-run">
       <p className="running-count" role="status">
         {shown.length === 1 ? "1 branch" : `${shown.length} branches`}
-        {playhead === null ? "" : ` at event ${playhead.toLocaleString("en")}`}
+        {playhead === null ? <AsOf watch={watch} /> : ` at event ${playhead.toLocaleString("en")}`}
       </p>
       <ul className="running-rows" aria-label="Active now">
         {shown.slice(0, ROWS_MAX).map((lane) => (

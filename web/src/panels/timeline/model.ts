@@ -9,10 +9,9 @@ import { type Lane, lanesOf } from "../../store/history/lanes.ts";
 import { hasTime, shownIndex, showTime } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { SeenBar, SeenLane } from "../../store/history/seen.ts";
-import { clock1s } from "../../store/page/clock1s.ts";
 import type { Page } from "../../store/page/page.ts";
 import { RefusalError } from "../../store/page/server.ts";
-import { progressAt } from "../../store/run/progress.ts";
+import { extent_ns } from "../../store/run/data_end.ts";
 import { RunSearch } from "../../store/run/search.ts";
 import type { NameOf } from "../parts/happened.ts";
 import { lanesIn, layoutOf, type TimelineLayout } from "./layout.ts";
@@ -119,10 +118,9 @@ export class TimelineModel {
     this.watch.playhead.value = sequence;
   }
 
-  /** Current length of the run in ns, updated every second while it is active. Reads a signal. */
+  /** Current length of the run in ns, updated with each confirmation while it is active. Reads signals. */
   get end_ns(): number {
-    const isLive = this.watch.now.value?.run.phase === "live";
-    return progressAt(this.#page, this.watch, isLive ? clock1s.value : 0) * 1e6;
+    return extent_ns(this.#page, this.watch);
   }
 
   /** Time of the last event, after which nothing has changed. */

@@ -3,7 +3,7 @@
 import type { RunNow } from "../../model/generated/protocol.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
-import type { ServerPulse } from "../page/server.ts";
+import { isServerSilent, sinceDataEnd } from "./data_end.ts";
 
 export interface RunAge {
   /** Time since the shown state was last confirmed. */
@@ -34,45 +34,19 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   const now = watch.now.value;
   if (!now || !isGoingOn(now)) return FRESH;
   const [link, pulse] = [page.server.link.value, page.server.pulse.value];
-  const age_ms = pictureAge(watch, pulse, now_ms);
-  const isLost = link.state !== "up" || !watch.isCurrent.value || age_ms >= (pulse?.old_ms ?? 0);
+  const age_ms = sinceDataEnd(page, watch, now_ms);
+  const isLost =
+    link.state !== "up" || !watch.isCurrent.value || isServerSilent(page, watch, now_ms);
   if (isLost && pulse) return { age_ms, isOld: true, why: "link" };
   if (now.link === "up") return FRESH;
   const isFarAway = now.robot != null;
   const why = isFarAway && now.link === "silent" ? "blackout" : (WHY[now.link] ?? "runner");
-  return { age_ms: runnerAge(now, pulse, now_ms), isOld: true, why };
+  return { age_ms, isOld: true, why };
 }
 
 /** True if the run is active, as far as is known. A run that is over no longer changes. */
 export function isGoingOn(now: RunNow): boolean {
   return now.run.phase === "live" || now.run.phase === "starting";
-}
-
-/** Time since the last confirmation by the server's clock. A delay on the way counts as age. */
-function pictureAge(watch: Watch, pulse: ServerPulse | null, now_ms: number): number {
-  const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
-  return Math.max(0, there_ms - (confirmedAt(watch, pulse) ?? there_ms));
-}
-
-/** Server time until which the shown state is confirmed; null before the first confirmation. */
-function confirmedAt(watch: Watch, pulse: ServerPulse | null): number | null {
-  const heard_ms = watch.isCurrent.value ? (pulse?.server_ms ?? 0) : 0;
-  const proven_ms = watch.proven_ms.value;
-  return proven_ms === null ? null : Math.max(heard_ms, proven_ms);
-}
-
-/** Server time until which the run is confirmed, in ms. Silence confirms nothing, neither the server's nor a robot's. Null before
- * the first confirmation. Reads signals. */
-export function confirmedUntil(page: Pick<Page, "server">, watch: Watch): number | null {
-  const until_ms = confirmedAt(watch, page.server.pulse.value);
-  const robot_ms = watch.now.value?.robot?.heard_ms ?? null;
-  return until_ms === null || robot_ms === null ? until_ms : Math.min(until_ms, robot_ms);
-}
-
-/** Time since the server last received the runner, by the server's clock. */
-function runnerAge(now: RunNow, pulse: ServerPulse | null, now_ms: number): number {
-  const there_ms = now_ms + (pulse?.ahead_ms ?? 0);
-  return Math.max(0, there_ms - (now.runner_heard_ms ?? now.run.started_ms));
 }
 
 /** Age of the shown moment: the time from it to the last received event. */

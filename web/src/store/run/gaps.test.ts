@@ -1,4 +1,4 @@
-import { signal } from "@preact/signals-core";
+import { computed, type Signal, signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { RunNow } from "../../model/generated/protocol.ts";
 import { Journal } from "../history/journal.ts";
@@ -14,11 +14,21 @@ function truth(elapsed_ms: number, link: RunNow["link"] = "up", heard_ms = 0): R
   return { run, link, snapshot, snapshot_ms, runner_heard_ms } as unknown as RunNow;
 }
 
+/** A run whose server confirms it until its program was received last. */
+function confirmed(now: Signal<RunNow | null>) {
+  const proven_ms = computed(() => now.value?.runner_heard_ms ?? null);
+  return { now, proven_ms, isCurrent: signal(true) };
+}
+
+function page(link: Signal<Link>) {
+  return { server: { link, pulse: signal(null) } };
+}
+
 function watched(whenClosed: (stop: () => void) => void = () => {}) {
   const up = { ...UP, state: "up" } as unknown as Link;
   const link = signal<Link>(up);
   const now = signal<RunNow | null>(truth(100));
-  const gaps = gapsOf({ now, journal: new Journal(), whenClosed }, { server: { link } });
+  const gaps = gapsOf({ ...confirmed(now), journal: new Journal(), whenClosed }, page(link));
   return { link, now, gaps, up };
 }
 
@@ -69,9 +79,8 @@ test("what the journal was told counts, if it is later", () => {
   journal.add(entries, 3);
   const now = signal<RunNow | null>(truth(0, "down"));
   const link = signal({ state: "up" } as unknown as Link);
-  expect(gapsOf({ now, journal, whenClosed: () => {} }, { server: { link } }).value).toEqual([
-    { from_ns: 2e6, to_ns: null },
-  ]);
+  const gaps = gapsOf({ ...confirmed(now), journal, whenClosed: () => {} }, page(link));
+  expect(gaps.value).toEqual([{ from_ns: 2e6, to_ns: null }]);
 });
 
 test("a run that the page has left follows the connection no more", () => {

@@ -1,11 +1,12 @@
 /** Periods of a run without news: no connection to the server, none between server and run, or no response from the run's program.
  * Their events arrived later. At a station, also the data that it does not have yet. */
 
-import { effect, type ReadonlySignal, signal } from "@preact/signals-core";
+import { effect, type ReadonlySignal, signal, untracked } from "@preact/signals-core";
 import type { RunNow } from "../../model/generated/protocol.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
+import { extent_ns } from "./data_end.ts";
 
 export interface Gap {
   /** In ns since the start of the run. */
@@ -14,15 +15,15 @@ export interface Gap {
   readonly to_ns: number | null;
 }
 
-type GapSource = Pick<Watch, "now" | "journal" | "whenClosed">;
-type LinkedPage = { readonly server: Pick<Page["server"], "link"> };
+type GapSource = Pick<Watch, "now" | "journal" | "proven_ms" | "isCurrent" | "whenClosed">;
+type GapPage = { readonly server: Pick<Page["server"], "link" | "pulse"> };
 
 /** Capacity. Beyond it the two oldest gaps are merged, because periods without news must stay marked. */
 const GAPS_MAX = 200;
 
 /** Gaps since the first request. A gap ends with the first status received after it. */
 export const gapsOf = perOwner(
-  (watch: GapSource, page: LinkedPage): ReadonlySignal<readonly Gap[]> => {
+  (watch: GapSource, page: GapPage): ReadonlySignal<readonly Gap[]> => {
     const gaps = signal<readonly Gap[]>([]);
     let before: RunNow | null = null;
     const stop = effect(() => {
@@ -36,10 +37,12 @@ export const gapsOf = perOwner(
         before = now;
         gaps.value = bounded([
           ...gaps.peek(),
-          { from_ns: elapsedWhenLastHeard(watch), to_ns: null },
+          { from_ns: untracked(() => extent_ns(page, watch)), to_ns: null },
         ]);
       } else if (!isAway && open && now !== before) {
-        gaps.value = gaps.peek().with(-1, { ...open, to_ns: elapsedWhenLastHeard(watch) });
+        gaps.value = gaps
+          .peek()
+          .with(-1, { ...open, to_ns: untracked(() => extent_ns(page, watch)) });
       }
     });
     watch.whenClosed(stop);
@@ -61,17 +64,4 @@ export function lackingOf({ now, journal }: Pick<GapSource, "now" | "journal">):
   const from_ns = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
   const to_ns = (status.snapshot?.elapsed_ms ?? 0) * 1e6;
   return to_ns > from_ns ? [{ from_ns, to_ns }] : [];
-}
-
-/** Elapsed time of the run when it was last received. */
-function elapsedWhenLastHeard({ now, journal }: Pick<GapSource, "now" | "journal">): number {
-  const lastEvent_ns = journal.length > 0 ? journal.t_ns(journal.length - 1) : 0;
-  return Math.max(lastEvent_ns, heardAt(now.peek()) * 1e6);
-}
-
-/** Elapsed time when the run's program was last received, in ms. Its last snapshot may be older. */
-function heardAt(now: RunNow | null): number {
-  if (!now?.snapshot || now.snapshot_ms === null) return 0;
-  const sinceSnapshot_ms = (now.runner_heard_ms ?? now.snapshot_ms) - now.snapshot_ms;
-  return now.snapshot.elapsed_ms + Math.max(0, sinceSnapshot_ms);
 }

@@ -17,12 +17,14 @@ interface Given {
   readonly later_ms?: number;
   readonly server_ms?: number;
   readonly robot_ms?: number;
+  /** Number of events that the robot has and the station lacks. */
+  readonly missing?: number;
 }
 
 /** States that run longer than ever after this number of runs of 2 s; `unknown` while undetermined. */
 function longer(given: Given): string {
   const { times = 5, since_ms, phase = "running", link = "up", later_ms = 0 } = given;
-  const { server_ms = later_ms, robot_ms } = given;
+  const { server_ms = later_ms, robot_ms, missing = 0 } = given;
 
   const counts = new Counts();
   for (let time = 0; time < times; time += 1) {
@@ -30,10 +32,10 @@ function longer(given: Given): string {
     counts.left(1, "R/A", 2e9, { id: 0, name: "success" }, false);
   }
   const state = { path: "R/A", name: "A", phase, since_ms, branch: "", detail: null, held: [] };
-  const run = { id: "r", phase: "live", machine: null };
-  const snapshot = { active: [state], questions: [] };
+  const run = { id: "r", phase: "live", machine: null, events: 9 };
+  const snapshot = { active: [state], questions: [], sequence: 9 };
   const snapshot_ms = clock1s.peek() - later_ms;
-  const robot = robot_ms === undefined ? null : { heard_ms: snapshot_ms + robot_ms };
+  const robot = robot_ms === undefined ? null : { heard_ms: snapshot_ms + robot_ms, missing };
   const now = { run, link, snapshot, snapshot_ms, robot };
   const watch = {
     id: "r",
@@ -41,7 +43,7 @@ function longer(given: Given): string {
     playhead: signal(null),
     isCurrent: signal(true),
     proven_ms: signal(snapshot_ms),
-    journal: { counts },
+    journal: { counts, next: 10 },
   };
   const pulse = { ahead_ms: 0, old_ms: 4_000, server_ms: snapshot_ms + server_ms };
   const server = { link: signal({ state: "up" }), pulse: signal(pulse) };
@@ -67,4 +69,10 @@ test("time in which nothing was received does not count, neither of the server n
   expect(longer({ ...since, server_ms: 200 })).toBe("");
   expect(longer({ ...since, robot_ms: 200 })).toBe("");
   expect(longer({ since_ms: 9_000, later_ms: 5_000, server_ms: 200 })).toBe("unknown");
+});
+
+test("after a silence nothing is reported until the robot has sent the state after its newest event", () => {
+  const since = { since_ms: 1_000, later_ms: 60_000, robot_ms: 60_000 };
+  expect(longer(since)).toBe("R/A 2000");
+  expect(longer({ ...since, missing: 3 })).toBe("unknown");
 });

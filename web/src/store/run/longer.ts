@@ -12,7 +12,7 @@ import {
   isLongerThanEver,
   pastBaselines,
 } from "./baseline.ts";
-import { confirmedSinceSnapshot } from "./since_snapshot.ts";
+import { isSnapshotOutdated, sinceSnapshot } from "./data_end.ts";
 
 export interface Longer {
   readonly path: string;
@@ -21,12 +21,12 @@ export interface Longer {
   readonly baseline: Baseline;
 }
 
-/** Branches of a live run, measured by the time in which the run was received. Null while its state may be old. Reads signals;
- * updated once a second. */
+/** Branches of a live run, measured by the time in which the run was received. Null while its state may be old, or the robot has
+ * events after it. Reads signals; updated once a second. */
 export function longerThanEver(page: Page, watch: Watch): readonly Longer[] | null {
   if (watch.now.value?.run.phase !== "live" || watch.playhead.value !== null) return [];
-  if (runAge(page, watch, clock1s.value).isOld) return null;
-  const sinceSnapshot_ms = confirmedSinceSnapshot(page, watch);
+  if (runAge(page, watch, clock1s.value).isOld || isSnapshotOutdated(watch)) return null;
+  const sinceSnapshot_ms = sinceSnapshot(page, watch);
   const past = pastBaselines(page, earlierRuns(page, watch)[0]?.id ?? null).value;
   return lanes(activeStates(watch)).flatMap((lane) => {
     const baseline = baselineOf(watch, past, lane.path);

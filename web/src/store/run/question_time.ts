@@ -4,11 +4,12 @@ import type { Question } from "../../model/generated/protocol.ts";
 import { askedQuestions } from "../history/questions.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
-import { elapsedNow } from "./run_clock.ts";
+import { assumedElapsed } from "./data_end.ts";
 
 type Asking = Pick<Watch, "now" | "journal" | "journalVersion">;
 
-/** Remaining time at present, whatever moment is shown: whole seconds, in ms. Null without a deadline, or while the time of the
+/** Remaining time at present, whatever moment is shown: whole seconds, in ms. It also decreases while nothing arrives, because the
+ * deadline passes on the robot. Null without a deadline, or while the time of the
  * question is unknown. Reads signals. */
 export function timeLeft(
   page: Pick<Page, "server">,
@@ -18,7 +19,7 @@ export function timeLeft(
 ): number | null {
   const asked_ns = askedQuestions(watch).value.since_ns.get(id);
   if (timeout_ms === null || asked_ns === undefined) return null;
-  const left_ms = timeout_ms + asked_ns / 1e6 - elapsedNow(page, watch, now_ms);
+  const left_ms = timeout_ms + asked_ns / 1e6 - assumedElapsed(page, watch, now_ms);
   return Math.max(0, Math.ceil(left_ms / 1_000)) * 1_000;
 }
 
