@@ -75,7 +75,7 @@ function Workspace() {
   }, [session]);
   return (
     <div className="app">
-      <PanelGuard name="The top bar">
+      <PanelGuard name="The top bar" page={session.page}>
         <TopBar />
       </PanelGuard>
       <div className="app-dock">

@@ -119,8 +119,9 @@ export function Dock() {
 }
 
 function CanvasPanel() {
+  const { page } = useSession();
   return (
-    <PanelGuard name="The canvas">
+    <PanelGuard name="The canvas" page={page}>
       <CanvasArea />
     </PanelGuard>
   );
@@ -128,14 +129,15 @@ function CanvasPanel() {
 
 function PanelPlace({ api }: IDockviewPanelProps) {
   const panel = panelOf(api.id);
-  const isOld = useIsOld(useSession().page);
+  const { page } = useSession();
+  const isOld = useIsOld(page);
   const place = useRef<HTMLDivElement>(null);
   useKeptScroll(place);
   if (!panel) return null;
   const Component = panel.component;
   return (
     <div ref={place} className={isOld ? "panel is-old" : "panel"}>
-      <PanelGuard name={panel.title}>
+      <PanelGuard name={panel.title} page={page}>
         <Component />
       </PanelGuard>
     </div>

@@ -1,10 +1,13 @@
-/** A failed panel affects no other, shows its error, and can be reloaded. */
+/** A failed panel affects no other, shows its error, and can be reloaded. The stack of the error is in the console and in the log. */
 
 import { Component, type ReactNode } from "react";
+import type { Page } from "../store/page/page.ts";
 import { Empty } from "../ui/empty.tsx";
+import { reportPanelError } from "./report_errors.ts";
 
 interface PanelGuardProps {
   readonly name: string;
+  readonly page: Pick<Page, "tell">;
   readonly children: ReactNode;
 }
 
@@ -13,6 +16,10 @@ export class PanelGuard extends Component<PanelGuardProps, { readonly fault: str
 
   static getDerivedStateFromError(error: unknown) {
     return { fault: error instanceof Error ? error.message : String(error) };
+  }
+
+  override componentDidCatch(error: unknown) {
+    reportPanelError(this.props.page, this.props.name, error);
   }
 
   override render() {

@@ -25,6 +25,13 @@ export function reportErrors(page: Pick<Page, "tell">, view: Window): () => void
   };
 }
 
+/** Reports the error of a panel, which shows its message itself, with the stack: in the console, and without a toast in the log. */
+export function reportPanelError(page: Pick<Page, "tell">, name: string, error: unknown): void {
+  console.error(`${name} cannot be shown`, error);
+  const stack = error instanceof Error ? (error.stack ?? error.message) : String(error);
+  page.tell({ level: "error", text: `${name} cannot be shown: ${stack}`, isQuiet: true });
+}
+
 export function reportTranslation(page: Pick<Page, "tell">): void {
   page.tell({
     level: "warning",
