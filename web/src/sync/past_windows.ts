@@ -2,6 +2,7 @@
 
 import type { EarlierHistory, HistoryEntry, Window } from "../model/generated/protocol.ts";
 import { Journal } from "../store/history/journal.ts";
+import { LatestRequest } from "../store/page/latest_request.ts";
 import { RefusalError } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 
@@ -17,19 +18,29 @@ interface PastWindowsPorts {
 const EVENTS = 10_000;
 /** Capacity of the parts. */
 const KEPT_MAX = 4;
-/** Retry interval of a failed request, in ms. */
-const AGAIN_MS = 1_000;
 
 export class PastWindows {
   readonly #ports: PastWindowsPorts;
+  #wanted: number | null = null;
   /** The one that was shown last is at the end. */
   #all: readonly Journal[] = [];
-  #wanted: number | null = null;
-  #isAsking = false;
-  #isOver = false;
+  readonly #request: LatestRequest<number, Window>;
 
   constructor(ports: PastWindowsPorts) {
     this.#ports = ports;
+    this.#request = new LatestRequest({
+      ask: (sequence) => {
+        const from = Math.max(1, sequence - EVENTS / 2);
+        return ports.ask(`window?from=${from}&count=${EVENTS}`);
+      },
+      take: (window) => void this.#take(window),
+      takeEarlier: (window) => {
+        // It may have the newest moment, too.
+        const journal = this.#take(window);
+        if (this.#wanted !== null && journal.covers(this.#wanted)) this.#request.drop();
+      },
+      after: ports.clock.after,
+    });
   }
 
   /** The one that was shown last; null if there is none. */
@@ -52,44 +63,21 @@ export class PastWindows {
     this.#wanted = sequence;
     const known = sequence === null ? null : this.at(sequence);
     if (known) this.keep(known);
-    else void this.#load();
+    if (sequence === null || known) this.#request.drop();
+    else this.#request.want(sequence);
   }
 
   close(): void {
-    this.#isOver = true;
+    this.#request.close();
     this.#all = [];
   }
 
-  async #load(): Promise<void> {
-    if (this.#isAsking) return;
-    this.#isAsking = true;
-    try {
-      while (this.#isMissing()) await this.#ask(this.#wanted ?? 0);
-    } finally {
-      this.#isAsking = false;
-    }
-  }
-
-  #isMissing(): boolean {
-    return !this.#isOver && this.#wanted !== null && this.at(this.#wanted) === null;
-  }
-
-  async #ask(sequence: number): Promise<void> {
-    const from = Math.max(1, sequence - EVENTS / 2);
-    try {
-      const window = await this.#ports.ask<Window>(`window?from=${from}&count=${EVENTS}`);
-      if (this.#isOver) return;
-      const journal = journalOf(window, null);
-      this.keep(journal);
-      this.#ports.changed();
-      if (window.before.sequence > 0) void this.#learn(journal, window);
-      // There is no such moment, and will be none by asking again.
-      if (!journal.covers(sequence)) this.#wanted = null;
-    } catch (error) {
-      if (!(error instanceof RefusalError)) throw error;
-      if (!error.isForNow) this.#wanted = null;
-      else await new Promise<void>((again) => this.#ports.clock.after(AGAIN_MS, again));
-    }
+  #take(window: Window): Journal {
+    const journal = journalOf(window, null);
+    this.keep(journal);
+    this.#ports.changed();
+    if (window.before.sequence > 0) void this.#learn(journal, window);
+    return journal;
   }
 
   /** The state before the part arrives later, because the server may have to read a long run. */

@@ -94,11 +94,12 @@ describe("the machine of a run", () => {
     server.first().refuse(0);
     await settle();
     clock.pass(1_000);
-    const late = server.first();
     goBy("h2");
-    server.waiting.at(-1)?.answer(LATER);
+    server.first().answer(FIRST);
     await settle();
-    late.answer(FIRST);
+    expect(children()).toBe("R/A");
+    expect(server.first().path).toBe("/runs/r/machine?root=h2");
+    server.first().answer(LATER);
     await settle();
     expect(children()).toBe("R/A R/B");
   });

@@ -14,6 +14,7 @@ import { withNames } from "../store/document/names_in.ts";
 import { OptimisticDocument, type TouchedPaths } from "../store/document/optimistic_document.ts";
 import { type Journal, OTHER } from "../store/history/journal.ts";
 import type { Runs, Watch } from "../store/history/run.ts";
+import { LatestRequest } from "../store/page/latest_request.ts";
 import { RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { LibraryCache } from "./library_cache.ts";
@@ -22,9 +23,6 @@ interface Ports {
   readonly server: Server;
   readonly clock: Clock;
 }
-
-/** Retry interval of a machine that could not be loaded, in ms. */
-const AGAIN_MS = 1_000;
 
 /** The id of the session of a run's machine. */
 export function runSessionId(run: string): string {
@@ -50,13 +48,13 @@ export class RunMachineSession implements MachineSession {
   readonly #libraryCache: LibraryCache;
   readonly #listeners = new Set<(touched: TouchedPaths) => void>();
   readonly #stops: (() => void)[];
-  readonly #ports: Ports;
   #root: string | null = null;
+  /** True if `#root` is the first one that the history names. */
+  #isFirst = true;
   /** The machine that the run used last by its history, and the read part of the history. */
   #last: string | null = null;
   #read = 0;
   #journal: Journal | null = null;
-  #isOver = false;
 
   /** Gets the machine that the run began with. Throws a `RefusalError`. */
   static async enter(watch: Watch, runs: Runs, ports: Ports) {
@@ -66,18 +64,29 @@ export class RunMachineSession implements MachineSession {
 
   private constructor(watch: Watch, runs: Runs, ports: Ports, document: Document) {
     this.id = runSessionId(watch.id);
-    this.#ports = ports;
     const run = encodeURIComponent(watch.id);
     this.#libraryCache = new LibraryCache(ports.server.request, (key: LibraryKey) => {
       const root = this.#root === null ? "" : `&root=${encodeURIComponent(this.#root)}`;
       return `/runs/${run}/machine?library=${encodeURIComponent(key)}${root}`;
     });
     this.machine = new OptimisticDocument(document, (key) => this.#libraryCache.get(key));
+    const request = new LatestRequest<string, Document>({
+      ask: (root) => this.#fetch(runs, watch.id, root),
+      take: (fetched) => {
+        this.machine.reset(fetched);
+        this.#notify();
+      },
+      after: ports.clock.after,
+    });
     const follow = effect(() => {
       const root = this.#wanted(watch);
-      if (root !== null && root !== this.#root) void this.#goBy(root, runs, watch.id);
+      if (root === null || root === this.#root) return;
+      this.#isFirst = this.#root === null;
+      this.#root = root;
+      request.want(root);
     });
-    this.#stops = [this.#libraryCache.onArrival(() => this.#libraryChanged()), follow];
+    const arrived = this.#libraryCache.onArrival(() => this.#libraryChanged());
+    this.#stops = [arrived, follow, () => request.close()];
   }
 
   onChange(listener: (touched: TouchedPaths) => void): () => void {
@@ -103,7 +112,6 @@ export class RunMachineSession implements MachineSession {
   }
 
   close(): void {
-    this.#isOver = true;
     for (const stop of this.#stops) stop();
     this.#listeners.clear();
   }
@@ -122,22 +130,11 @@ export class RunMachineSession implements MachineSession {
     return this.#last ?? picture?.root ?? null;
   }
 
-  async #goBy(root: string, runs: Runs, run: string): Promise<void> {
-    const isFirst = this.#root === null;
-    this.#root = root;
-    try {
-      const document = await runs.get<Document>(run, `machine?root=${encodeURIComponent(root)}`);
-      if (this.#root !== root || this.#isOver) return;
-      if (!isFirst) await this.#libraryCache.refresh();
-      this.machine.reset(document);
-      this.#notify();
-    } catch (error) {
-      if (!(error instanceof RefusalError)) throw error;
-      if (!error.isForNow) return;
-      this.#ports.clock.after(AGAIN_MS, () => {
-        if (this.#root === root && !this.#isOver) void this.#goBy(root, runs, run);
-      });
-    }
+  async #fetch(runs: Runs, run: string, root: string): Promise<Document> {
+    const document = await runs.get<Document>(run, `machine?root=${encodeURIComponent(root)}`);
+    // The libraries of the first machine are those of the run's start.
+    if (!this.#isFirst) await this.#libraryCache.refresh();
+    return document;
   }
 
   #libraryChanged(): void {

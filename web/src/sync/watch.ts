@@ -18,6 +18,7 @@ import { type AheadValues, NOTHING_AHEAD } from "../store/history/ahead.ts";
 import { Journal } from "../store/history/journal.ts";
 import { rolled, withBase } from "../store/history/rolled.ts";
 import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
+import { LatestRequest } from "../store/page/latest_request.ts";
 import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox, lifetimeOverLink_ms } from "./command_outbox.ts";
@@ -38,7 +39,7 @@ const EVENTS_MAX = 200_000;
 const EVENTS_KEPT = 100_000;
 /** Number of newest events that are loaded first of a longer run. */
 const NEWEST = 10_000;
-/** Retry interval of a failed subscription, in ms. */
+/** Retry interval of a failed subscription or request, in ms. */
 const AGAIN_MS = 1_000;
 /** Refusals that stay: no such run, or no such history. */
 const FOR_GOOD = new Set(["no_such_run", "no_history", "journal_too_short"]);
@@ -49,6 +50,8 @@ export class RunWatch implements Watch {
   readonly isCurrent = signal(false);
   #journal = new Journal();
   readonly #windows: PastWindows;
+  /** Requests the state before the journal. */
+  readonly #earlier: LatestRequest<Before, EarlierHistory>;
   readonly #unwatch: () => void;
   readonly journalVersion = signal(0);
   readonly isCaughtUp = signal(false);
@@ -66,7 +69,6 @@ export class RunWatch implements Watch {
   #unfollowStatus: () => void = () => {};
   /** Number of received events, and of replaced journals. */
   #version = 0;
-  #isLearning = false;
   /** True if nothing more of the history arrives by itself. */
   #hasHistoryEnded = false;
   #isSoon = false;
@@ -97,6 +99,16 @@ export class RunWatch implements Watch {
       clock,
       ask: (what) => server.request("GET", this.#path(what), undefined, REPEATED),
       changed: () => this.#changed(),
+    });
+    this.#earlier = new LatestRequest({
+      ask: ({ sequence }) =>
+        server.request("GET", this.#path(`earlier/${sequence}`), undefined, REPEATED),
+      take: (earlier, before) => {
+        this.#journal = withBase(this.#journal, { before, earlier });
+        this.#changed();
+      },
+      again_ms: AGAIN_MS,
+      after: clock.after,
     });
     this.sent = this.#outbox.sent;
     this.playhead = this.#snapshots.playhead;
@@ -145,6 +157,7 @@ export class RunWatch implements Watch {
     this.#isOver = true;
     this.#unwatch();
     this.#windows.close();
+    this.#earlier.close();
     this.#unfollowHistory();
     this.#unfollowStatus();
     this.#outbox.close();
@@ -248,7 +261,7 @@ export class RunWatch implements Watch {
     if (isShown && !journal.covers(playhead)) this.#windows.keep(this.#journal);
     this.#journal = journal;
     this.#changed();
-    void this.#learn();
+    this.#learn();
   }
 
   #isHere(playhead: number): boolean {
@@ -260,33 +273,11 @@ export class RunWatch implements Watch {
     this.#windows.want(isPast && playhead < this.#journal.from ? playhead : null);
   }
 
-  /** Asks what had been before the journal begins, until it knows. */
-  async #learn(): Promise<void> {
-    if (this.#isLearning) return;
-    this.#isLearning = true;
-    while (!this.#isOver && this.#journal.base && !this.#journal.base.earlier) {
-      const { before } = this.#journal.base;
-      const earlier = await this.#earlier(before);
-      const isSame = this.#journal.base?.before === before;
-      if (earlier && isSame) this.#journal = withBase(this.#journal, { before, earlier });
-      else if (isSame) break;
-    }
-    this.#isLearning = false;
-    if (!this.#isOver) this.#changed();
-  }
-
-  /** Null if it cannot be had. */
-  async #earlier({ sequence }: Before): Promise<EarlierHistory | null> {
-    const { server, clock } = this.#ports;
-    for (;;) {
-      try {
-        return await server.request("GET", this.#path(`earlier/${sequence}`), undefined, REPEATED);
-      } catch (error) {
-        if (!(error instanceof RefusalError)) throw error;
-        if (this.#isOver || !error.isForNow) return null;
-        await new Promise<void>((again) => clock.after(AGAIN_MS, again));
-      }
-    }
+  /** Asks for the state before the journal unless it is known. */
+  #learn(): void {
+    const { base } = this.#journal;
+    if (base && !base.earlier) this.#earlier.want(base.before);
+    else this.#earlier.drop();
   }
 
   /** A journal is another one than before. */

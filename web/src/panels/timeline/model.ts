@@ -9,8 +9,8 @@ import { type Lane, lanesOf } from "../../store/history/lanes.ts";
 import { hasTime, shownIndex, showTime } from "../../store/history/moments.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { SeenBar, SeenLane } from "../../store/history/seen.ts";
+import { LatestRequest } from "../../store/page/latest_request.ts";
 import type { Page } from "../../store/page/page.ts";
-import { RefusalError } from "../../store/page/server.ts";
 import { extent_ns } from "../../store/run/data_end.ts";
 import { RunSearch } from "../../store/run/search.ts";
 import type { NameOf } from "../parts/happened.ts";
@@ -49,11 +49,26 @@ export class TimelineModel {
   readonly #page: Pick<Page, "server" | "runs">;
   /** Requested time of a moment that is not loaded yet. */
   readonly #asked_ns: Signal<number | null> = signal<number | null>(null);
-  #isAsking = false;
+  readonly #moment: LatestRequest<number, Moment>;
 
   constructor(page: Pick<Page, "server" | "runs">, watch: Watch) {
     this.#page = page;
     this.watch = watch;
+    const found = ({ sequence }: Moment) => {
+      if (this.#asked_ns.peek() !== null) watch.playhead.value = Math.max(1, sequence);
+    };
+    this.#moment = new LatestRequest({
+      ask: (t_ns) => page.runs.get(watch.id, `moments?t_ns=${Math.max(0, Math.round(t_ns))}`),
+      take: (moment) => {
+        found(moment);
+        this.#asked_ns.value = null;
+      },
+      takeEarlier: found,
+      refused: () => {
+        this.#asked_ns.value = null;
+      },
+      isRepeated: () => false,
+    });
     this.overviews = new Overviews((what) => page.runs.get(watch.id, what));
   }
 
@@ -88,33 +103,17 @@ export class TimelineModel {
   showTime(t_ns: number): void {
     if (showTime(this.watch, t_ns)) {
       this.#asked_ns.value = null;
+      this.#moment.drop();
       return;
     }
     this.#asked_ns.value = t_ns;
-    void this.#askTime();
-  }
-
-  async #askTime(): Promise<void> {
-    if (this.#isAsking) return;
-    this.#isAsking = true;
-    for (let at = this.#asked_ns.peek(); at !== null; at = this.#asked_ns.peek()) {
-      try {
-        const what = `moments?t_ns=${Math.max(0, Math.round(at))}`;
-        const { sequence } = await this.#page.runs.get<Moment>(this.watch.id, what);
-        if (this.#asked_ns.peek() === null) break;
-        this.watch.playhead.value = Math.max(1, sequence);
-        if (this.#asked_ns.peek() === at) this.#asked_ns.value = null;
-      } catch (error) {
-        if (!(error instanceof RefusalError)) throw error;
-        this.#asked_ns.value = null;
-      }
-    }
-    this.#isAsking = false;
+    this.#moment.want(t_ns);
   }
 
   /** Shows the moment after an event; null shows the live run. */
   show(sequence: number | null): void {
     this.#asked_ns.value = null;
+    this.#moment.drop();
     this.watch.playhead.value = sequence;
   }
 

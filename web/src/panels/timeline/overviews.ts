@@ -4,7 +4,7 @@
 import { type ReadonlySignal, signal } from "@preact/signals-core";
 import type { Overview } from "../../model/generated/protocol.ts";
 import { lanesSeen, type SeenLane } from "../../store/history/seen.ts";
-import { RefusalError } from "../../store/page/server.ts";
+import { LatestRequest } from "../../store/page/latest_request.ts";
 import type { TimeSpan } from "./span.ts";
 
 export interface Seen {
@@ -18,8 +18,15 @@ export interface Seen {
 
 type AskOverview = (what: string) => Promise<Overview>;
 
-/** Retry interval after a refusal, and refresh interval of the newest part of an active run, in ms. */
-const AGAIN_MS = 1_000;
+interface WantedPart {
+  readonly span: TimeSpan;
+  readonly width: number;
+  /** Last event of the run. */
+  readonly last: number;
+}
+
+/** Refresh interval of the newest part of an active run, in ms. */
+const FRESH_MS = 1_000;
 const PIXELS_MAX = 10_000;
 
 export class Overviews {
@@ -27,9 +34,17 @@ export class Overviews {
   readonly #seen = signal<Seen | null>(null);
   /** Widest loaded part. It is shown at low resolution while a more detailed part loads. */
   #widest: Seen | null = null;
-  #wanted: { readonly span: TimeSpan; readonly width: number; readonly last: number } | null = null;
-  #isAsking = false;
+  #wanted: WantedPart | null = null;
   #asked_ms = 0;
+  readonly #request = new LatestRequest<WantedPart, Seen>({
+    ask: (part) => this.#fetch(part),
+    take: (seen) => this.#take(seen),
+    takeEarlier: (seen) => {
+      // It may show the newest part, too.
+      this.#take(seen);
+      this.#load();
+    },
+  });
 
   constructor(ask: AskOverview) {
     this.#ask = ask;
@@ -51,42 +66,38 @@ export class Overviews {
   /** Requests a part with a width in CSS pixels, of a run with this last event. */
   want(span: TimeSpan, width: number, last: number): void {
     this.#wanted = { span, width, last };
-    void this.#load();
+    this.#load();
   }
 
-  async #load(): Promise<void> {
-    if (this.#isAsking) return;
-    this.#isAsking = true;
-    while (this.#wanted && !this.#isHere(this.#wanted)) {
-      const { span, width } = this.#wanted;
-      const wider = around(span);
-      const pixels = Math.min(PIXELS_MAX, Math.ceil((width * length(wider)) / length(span)));
-      const [from, to] = [Math.floor(wider.from_ns), Math.ceil(wider.to_ns)];
-      this.#asked_ms = performance.now();
-      try {
-        const found = await this.#ask(`overview?from_ns=${from}&to_ns=${to}&pixels=${pixels}`);
-        const lanes = lanesSeen(found);
-        const { sequence, concurrent } = found;
-        const seen = { span: wider, width: pixels, lanes, sequence, concurrent };
-        const isWidest = this.#widest === null || length(wider) >= length(this.#widest.span);
-        if (isWidest) this.#widest = seen;
-        this.#seen.value = seen;
-      } catch (error) {
-        if (!(error instanceof RefusalError)) throw error;
-        await new Promise((again) => setTimeout(again, AGAIN_MS));
-        if (!error.isForNow) break;
-      }
-    }
-    this.#isAsking = false;
+  #load(): void {
+    if (!this.#wanted || this.#isHere(this.#wanted)) this.#request.drop();
+    else this.#request.want(this.#wanted);
   }
 
-  #isHere({ span, width, last }: { span: TimeSpan; width: number; last: number }): boolean {
+  #fetch({ span, width }: WantedPart): Promise<Seen> {
+    const wider = around(span);
+    const pixels = Math.min(PIXELS_MAX, Math.ceil((width * length(wider)) / length(span)));
+    const [from, to] = [Math.floor(wider.from_ns), Math.ceil(wider.to_ns)];
+    this.#asked_ms = performance.now();
+    return this.#ask(`overview?from_ns=${from}&to_ns=${to}&pixels=${pixels}`).then((found) => {
+      const { sequence, concurrent } = found;
+      return { span: wider, width: pixels, lanes: lanesSeen(found), sequence, concurrent };
+    });
+  }
+
+  #take(seen: Seen): void {
+    const isWidest = this.#widest === null || length(seen.span) >= length(this.#widest.span);
+    if (isWidest) this.#widest = seen;
+    this.#seen.value = seen;
+  }
+
+  #isHere({ span, width, last }: WantedPart): boolean {
     const seen = this.#seen.peek();
     if (!seen) return false;
     const isIn = seen.span.from_ns <= span.from_ns && seen.span.to_ns >= span.to_ns;
     const [scale, wanted] = [seen.width / length(seen.span), width / length(span)];
     if (!isIn || scale < wanted * 0.9 || scale > wanted * 3) return false;
-    return seen.sequence >= last || performance.now() - this.#asked_ms < AGAIN_MS;
+    return seen.sequence >= last || performance.now() - this.#asked_ms < FRESH_MS;
   }
 }
 

@@ -7,8 +7,8 @@ import type { Machine } from "../../model/machine.ts";
 import { perOwner } from "../../model/per_owner.ts";
 import { machineOf } from "../../model/plain.ts";
 import type { Runs, Watch } from "../history/run.ts";
+import { LatestRequest } from "../page/latest_request.ts";
 import type { OpenTab } from "../page/page.ts";
-import { RefusalError } from "../page/server.ts";
 
 /** Delay from the last change to the comparison. */
 const SETTLED_MS = 300;
@@ -26,10 +26,8 @@ export function differsFromRun(tab: OpenTab, watch: Watch, runs: Runs): Readonly
 
 function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySignal<boolean> {
   let ran: Machine | null = null;
-  /** Loaded machine, and the last requested one, by hash; null for none. */
+  /** Hash of the loaded machine; null for none. */
   let known: string | null = null;
-  let asked: string | null = null;
-  let again: ReturnType<typeof setTimeout> | undefined;
   let timer: ReturnType<typeof setTimeout> | undefined;
   let stops: readonly (() => void)[] = [];
   const compare = () => {
@@ -40,30 +38,26 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
     clearTimeout(timer);
     timer = setTimeout(compare, SETTLED_MS);
   };
-  const get = async (wanted: string) => {
-    const query = wanted === "" ? "" : `?root=${encodeURIComponent(wanted)}`;
-    try {
-      const document = await runs.get<Document>(watch.id, `machine${query}`);
-      if (asked !== wanted) return;
+  const request = new LatestRequest<string, Document>({
+    ask: (root) => {
+      const query = root === "" ? "" : `?root=${encodeURIComponent(root)}`;
+      return runs.get(watch.id, `machine${query}`);
+    },
+    take: (document, root) => {
       ran = machineOf(document);
-      known = wanted;
+      known = root;
       compare();
-    } catch (error) {
-      if (!(error instanceof RefusalError)) throw error;
-      if (asked === wanted) again = setTimeout(lookAgain, AGAIN_MS);
-    }
-  };
+    },
+    // A machine may not be stored yet.
+    isRepeated: () => true,
+    again_ms: AGAIN_MS,
+  });
   const look = () => {
     const wanted = rootOf(watch);
     // Before the first event of the run, its machine may not be stored yet.
-    if (wanted === asked || watch.journal.length === 0) return;
-    clearTimeout(again);
-    asked = wanted;
-    void get(wanted);
-  };
-  const lookAgain = () => {
-    asked = null;
-    look();
+    if (watch.journal.length === 0) return;
+    if (wanted === known) request.drop();
+    else request.want(wanted);
   };
   const differs = signal(false, {
     watched: () => {
@@ -73,8 +67,7 @@ function followed({ session }: OpenTab, watch: Watch, runs: Runs): ReadonlySigna
     },
     unwatched: () => {
       clearTimeout(timer);
-      clearTimeout(again);
-      asked = known;
+      request.drop();
       for (const stop of stops) stop();
     },
   });

@@ -6,16 +6,12 @@ import { lowerBound } from "../history/column.ts";
 import { Journal, type JournalEntry } from "../history/journal.ts";
 import { HITS_MAX, JournalHits } from "../history/journal_hits.ts";
 import type { Runs, Watch } from "../history/run.ts";
-import { RefusalError } from "../page/server.ts";
+import { LatestRequest } from "../page/latest_request.ts";
 
 type SearchedWatch = Pick<Watch, "id" | "journal" | "whenClosed">;
 
-/** Retry interval after a refusal. */
-const AGAIN_MS = 1_000;
-
 export class RunSearch {
   readonly #watch: SearchedWatch;
-  readonly #runs: Pick<Runs, "get">;
   readonly #wanted: string;
   readonly #nameOf: (path: string) => string;
   readonly #changed = signal(0);
@@ -25,8 +21,7 @@ export class RunSearch {
   /** Results from the server. */
   #there = new Journal();
   #next = 1;
-  #isAsking = false;
-  #isOver = false;
+  readonly #request: LatestRequest<number, EventPage>;
 
   constructor(
     watch: SearchedWatch,
@@ -35,9 +30,17 @@ export class RunSearch {
     nameOf: (path: string) => string,
   ) {
     this.#watch = watch;
-    this.#runs = runs;
     this.#wanted = wanted.trim();
     this.#nameOf = nameOf;
+    const text = encodeURIComponent(this.#wanted);
+    this.#request = new LatestRequest({
+      ask: (from) => runs.get(watch.id, `hits?text=${text}&from=${from}`),
+      take: (page) => this.#take(page),
+      refused: ({ message }) => {
+        this.#refusal.value = message;
+        this.#changed.value += 1;
+      },
+    });
     this.follow();
   }
 
@@ -63,12 +66,12 @@ export class RunSearch {
 
   /** True while the server searches. */
   get isAsking(): boolean {
-    return this.#here === null && this.#isAsking;
+    return this.#here === null && this.#request.isPending;
   }
 
   /** Searches the new events of a growing run. */
   follow(): void {
-    if (this.#wanted === "" || this.#isOver) return;
+    if (this.#wanted === "") return;
     const { journal } = this.#watch;
     if (journal.base === null) {
       if (this.#here?.journal !== journal) {
@@ -78,12 +81,12 @@ export class RunSearch {
       return;
     }
     this.#here = null;
-    if (this.#next < journal.next && !this.isFull) void this.#ask();
+    if (this.#next < journal.next && !this.isFull) this.#request.want(this.#next);
   }
 
   /** Ends the search. */
   end(): void {
-    this.#isOver = true;
+    this.#request.close();
   }
 
   sequence(place: number): number {
@@ -119,28 +122,11 @@ export class RunSearch {
     return this.#here ? (this.#here.hits[place] ?? -1) : place;
   }
 
-  async #ask(): Promise<void> {
-    if (this.#isAsking) return;
-    this.#isAsking = true;
-    const text = encodeURIComponent(this.#wanted);
-    while (!this.#isOver && !this.isFull) {
-      try {
-        const what = `hits?text=${text}&from=${this.#next}`;
-        const page = await this.#runs.get<EventPage>(this.#watch.id, what);
-        this.#there.add(page.events, page.next);
-        this.#next = page.next;
-        this.#refusal.value = null;
-        this.#changed.value += 1;
-        if (page.next > page.last) break;
-      } catch (error) {
-        if (!(error instanceof RefusalError)) throw error;
-        this.#refusal.value = error.message;
-        this.#changed.value += 1;
-        await new Promise((again) => setTimeout(again, AGAIN_MS));
-        if (!error.isForNow) break;
-      }
-    }
-    this.#isAsking = false;
+  #take(page: EventPage): void {
+    this.#there.add(page.events, page.next);
+    this.#next = page.next;
+    this.#refusal.value = null;
+    if (page.next <= page.last && !this.isFull) this.#request.want(page.next);
     this.#changed.value += 1;
   }
 }

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { readExpression } from "../../model/expression.ts";
 import type { Event, EventPage } from "../../model/generated/protocol.ts";
 import type { Runs, Watch } from "../history/run.ts";
+import { RefusalError } from "../page/server.ts";
 import { ValueHistory, valueIn } from "./value_history.ts";
 import type { Target } from "./watched_values.ts";
 
@@ -40,7 +41,7 @@ class EventServer {
 
   async #get(what: string): Promise<EventPage> {
     this.asked.push(what);
-    if (this.isDown) throw new Error("the server is away");
+    if (this.isDown) throw new RefusalError({ code: "away", message: "the server is away" }, 0);
     const from = Number(new URLSearchParams(what.split("?")[1]).get("from"));
     const events = this.events
       .map((event, index) => ({ sequence: index + 1, t_ns: index * 1e9, event }))

@@ -5,6 +5,7 @@ import type { Expression } from "../../model/expression.ts";
 import type { Event, EventPage, HistoryEntry, JsonValue } from "../../model/generated/protocol.ts";
 import type { Runs, Watch } from "../history/run.ts";
 import { Series } from "../history/series.ts";
+import { LatestRequest } from "../page/latest_request.ts";
 import type { Target } from "./watched_values.ts";
 
 /** Number of events per request, and least interval of requests. */
@@ -18,20 +19,26 @@ export class ValueHistory {
   readonly #changed = signal(0);
   readonly #refusal = signal<string | null>(null);
   readonly #isLoaded = signal(false);
-  readonly #runs: Runs;
   readonly #watch: Watch;
   readonly #target: Target;
   readonly #expression: Expression;
   #next = 1;
-  #isAsking = false;
+  readonly #request: LatestRequest<number, EventPage>;
   #timer: ReturnType<typeof setTimeout> | undefined;
-  #isOver = false;
 
   constructor(runs: Runs, watch: Watch, target: Target, expression: Expression) {
-    this.#runs = runs;
     this.#watch = watch;
     this.#target = target;
     this.#expression = expression;
+    this.#request = new LatestRequest({
+      ask: () => runs.get(watch.id, this.#question()),
+      take: (page) => this.#receive(page),
+      refused: ({ message }) => {
+        this.#refusal.value = message;
+      },
+      isRepeated: () => true,
+      again_ms: AGAIN_MS,
+    });
   }
 
   /** Changes whenever the series has grown. */
@@ -57,43 +64,29 @@ export class ValueHistory {
       this.#soon(PACE_MS);
     });
     return () => {
-      this.#isOver = true;
       stop();
       clearTimeout(this.#timer);
+      this.#request.close();
     };
   }
 
   #soon(wait_ms: number): void {
-    if (this.#timer !== undefined || this.#isAsking || this.#isOver) return;
-    this.#timer = setTimeout(() => {
+    if (this.#request.isPending) return;
+    this.#timer ??= setTimeout(() => {
       this.#timer = undefined;
-      void this.#ask();
+      this.#request.want(this.#next);
     }, wait_ms);
   }
 
-  async #ask(): Promise<void> {
-    this.#isAsking = true;
-    const wait_ms = await this.#page();
-    this.#isAsking = false;
-    if (wait_ms !== null) this.#soon(wait_ms);
-  }
-
-  /** Requests a page. Returns the delay before the next request; null if there are no more events yet. */
-  async #page(): Promise<number | null> {
-    try {
-      const page = await this.#runs.get<EventPage>(this.#watch.id, this.#question());
-      if (this.#isOver) return null;
-      for (const entry of page.events) this.#take(entry);
-      this.#next = page.next;
-      this.#refusal.value = null;
-      if (page.events.length > 0) this.#changed.value += 1;
-      if (page.next <= page.last) return 0;
-      this.#isLoaded.value = true;
-      return this.#watch.journal.next > page.next ? PACE_MS : null;
-    } catch (error) {
-      this.#refusal.value = error instanceof Error ? error.message : String(error);
-      return AGAIN_MS;
-    }
+  #receive(page: EventPage): void {
+    for (const entry of page.events) this.#take(entry);
+    this.#next = page.next;
+    this.#refusal.value = null;
+    if (page.events.length > 0) this.#changed.value += 1;
+    const isWhole = page.next > page.last;
+    if (isWhole) this.#isLoaded.value = true;
+    if (!isWhole) this.#request.want(page.next);
+    else if (this.#watch.journal.next > page.next) this.#soon(PACE_MS);
   }
 
   #question(): string {
