@@ -107,7 +107,7 @@ test("the pointer knows the container that it is over", () => {
 test("what may not be edited says so at the pointer and when it is let go, and nothing is sent", () => {
   const fixed = "This is the machine as the run went by it.";
   const canvas = driver();
-  canvas.whyFixed = fixed;
+  canvas.session.fixed = fixed;
   canvas.press("A").by(30, 30);
   expect(canvas.controller.overlay.value.message?.text).toBe(fixed);
   expect(canvas.controller.overlay.value.provisional).toBeNull();
@@ -121,7 +121,7 @@ test("what may not be edited says so at the pointer and when it is let go, and n
 
 test("who may not edit still selects and looks around", () => {
   const canvas = driver();
-  canvas.whyFixed = "You may look at it.";
+  canvas.session.fixed = "You may look at it.";
   canvas.click("B");
   expect(canvas.selection()).toBe("state:R/B");
   canvas.press({ x: 10, y: 790 }).by(40, 40);

@@ -8,9 +8,10 @@ import { isContainer } from "../model/machine.ts";
 import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
-import { wasRefused } from "../store/document/machine_session.ts";
+import { applyPlan } from "../store/page/apply_plan.ts";
 import type { Dragged } from "../store/page/dragged.ts";
-import type { OpenTab } from "../store/page/page.ts";
+import type { OpenTab, Page } from "../store/page/page.ts";
+import { whyFixed } from "../store/page/rights.ts";
 import { type Camera, select, selected, toggle } from "../store/page/view.ts";
 import { visibleBox, zoomedAt } from "./camera.ts";
 import { handleKey, isNudge, type KeyPress } from "./canvas_keys.ts";
@@ -38,6 +39,7 @@ import { stageOf } from "./tools/stage.ts";
 
 /** Services that the controller needs from the canvas and the page. */
 export interface InteractionHost {
+  readonly page: { readonly server: Pick<Page["server"], "link"> };
   readonly tab: OpenTab;
   readonly size: () => Size;
   /** Action of the wheel without a modifier key. */
@@ -47,8 +49,6 @@ export interface InteractionHost {
   /** Goal of the camera's flight; the current camera without a flight. */
   readonly heading: () => Camera;
   readonly run: (command: string, argument?: unknown) => void;
-  /** Reason why editing is not allowed here; null if it is. */
-  readonly whyFixed: () => string | null;
   /** Shows the reason why an action is impossible. */
   readonly refuse: (reason: string) => void;
   readonly rename: (path: string) => void;
@@ -111,7 +111,7 @@ export class InteractionController {
     const total = { x: from.x + by.x, y: from.y + by.y };
     const plan = movePlan(this.#host.tab.session.machine, paths, total);
     clearTimeout(before?.timer);
-    if (isRefused(plan) || this.#host.whyFixed() !== null) {
+    if (isRefused(plan) || this.#whyFixed() !== null) {
       this.#nudging = null;
       this.apply(plan);
       return;
@@ -330,7 +330,7 @@ export class InteractionController {
     if (!state || !box) return;
     const same = renamePlan(session.machine, path, state.name);
     const isInner = isRefused(same) && session.machine.isInLibrary(path);
-    const why = this.#host.whyFixed() ?? (isInner ? same.refused : null);
+    const why = this.#whyFixed() ?? (isInner ? same.refused : null);
     if (why !== null) {
       this.#host.refuse(why);
       return;
@@ -352,8 +352,7 @@ export class InteractionController {
     const [from] = selected(this.#host.tab.view);
     const port = from && firstPort(this.#host.tab.session.machine, from);
     const why =
-      this.#host.whyFixed() ??
-      (port ? null : "Select a state or port to start the connection from.");
+      this.#whyFixed() ?? (port ? null : "Select a state or port to start the connection from.");
     if (why !== null || !port) {
       this.#host.refuse(why ?? "");
       return;
@@ -432,7 +431,7 @@ export class InteractionController {
 
   /** Returns the gesture. If editing is not allowed, a gesture that would edit shows the reason instead of a preview. */
   #allowed(gesture: Gesture): Gesture {
-    const why = HARMLESS.has(gesture.name) ? null : this.#host.whyFixed();
+    const why = HARMLESS.has(gesture.name) ? null : this.#whyFixed();
     if (why === null) return gesture;
     const { cycle: _, mark: __, ...rest } = gesture;
     return {
@@ -464,21 +463,14 @@ export class InteractionController {
     if (result.plan) this.apply(result.plan);
   }
 
-  /** Sends the plan, and selects its result as soon as it is visible. */
+  /** Applies the plan; a refusal is shown at once. */
   apply(plan: Planned): void {
-    const why = this.#host.whyFixed() ?? (isRefused(plan) ? plan.refused : null);
-    if (why !== null || isRefused(plan)) {
-      this.#host.refuse(why ?? "");
-      return;
-    }
-    const { session, view } = this.#host.tab;
-    const before = session.version.peek();
-    const answer = session.edit(plan.name, plan.edit);
-    const isShown = session.version.peek() !== before;
-    if (isShown && plan.select) select(view, plan.select);
-    void answer.then((made) => {
-      if (!isShown && plan.select && !wasRefused(made)) select(view, plan.select);
-    });
+    const made = applyPlan(this.#host.page, this.#host.tab, plan);
+    if (typeof made === "string") this.#host.refuse(made);
+  }
+
+  #whyFixed(): string | null {
+    return whyFixed(this.#host.page, this.#host.tab);
   }
 }
 

@@ -8,7 +8,6 @@ import { isRefused } from "../plan/plan.ts";
 import { rename } from "../plan/states.ts";
 import { dragged } from "../store/page/dragged.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
-import { whyFixed } from "../store/page/rights.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
 import { panned, screenBox, visibleBox } from "./camera.ts";
 import type { CanvasControl } from "./control.ts";
@@ -51,13 +50,13 @@ export function mountCanvas(place: HTMLElement, options: MountOptions): Mounted 
   const flight = new Flight(tab.view.camera, WINDOW_FRAMES);
   let closeField = () => {};
   const controller: InteractionController = new InteractionController({
+    page,
     tab,
     size: () => picture.size(),
     wheel: () => page.settings.peek().wheel,
     fly: (to) => flight.to(to),
     heading: () => flight.goal,
     run: options.run,
-    whyFixed: () => whyFixed(page, tab),
     refuse: (text) => page.tell({ level: "warning", text: tab.session.named(text) }),
     rename: (path) => {
       closeField();

@@ -34,7 +34,7 @@ interface Keys {
 /** A machine session without a server: what can be predicted is done at once, the rest is only kept. */
 export class PlainMachineSession implements MachineSession {
   readonly id = "test";
-  readonly fixed = null;
+  fixed: string | null = null;
   readonly machine: OptimisticDocument;
   readonly version = signal(0);
   readonly status = signal(null);
@@ -82,13 +82,13 @@ export class Driver {
   readonly commands: string[] = [];
   readonly renamed: string[] = [];
   wheel: "zoom" | "pan" = "zoom";
-  whyFixed: string | null = null;
   #at: Point = { x: 0, y: 0 };
   #keys: Keys = {};
 
   constructor(text: string, library: string | null) {
     this.session = new PlainMachineSession(text, library);
     this.controller = new InteractionController({
+      page: { server: { link: signal({ state: "connecting" }) } },
       tab: { session: this.session, view: this.view, run: signal(null) },
       size: () => ({ width: 1000, height: 800 }),
       wheel: () => this.wheel,
@@ -99,7 +99,6 @@ export class Driver {
       run: (command, argument) => {
         this.commands.push(`${command} ${JSON.stringify(argument)}`);
       },
-      whyFixed: () => this.whyFixed,
       refuse: (reason) => this.refusals.push(reason),
       rename: (path) => this.renamed.push(path),
     });

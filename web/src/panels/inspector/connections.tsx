@@ -14,11 +14,12 @@ import { isContainer } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
 import { type ConnectionEnd, connect, reconnect } from "../../plan/connect.ts";
 import { removeElements } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { EndSelect } from "./end_select.tsx";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { ROW_BUTTONS_WIDTH, RowButtons } from "./row_buttons.tsx";
 

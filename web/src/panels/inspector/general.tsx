@@ -8,12 +8,13 @@ import { idOf, parentOf } from "../../model/path.ts";
 import { KIND_WORDS } from "../../plan/legal.ts";
 import { showContent } from "../../plan/move.ts";
 import { changeKind, clearStart, rename, setId, setStart } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { select } from "../../store/page/view.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 export function General({ inspected }: { inspected: InspectedState }) {

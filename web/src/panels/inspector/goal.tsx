@@ -5,8 +5,9 @@ import { connectionsIn } from "../../model/ends.ts";
 import type { OutcomeDocument } from "../../model/generated/protocol.ts";
 import { connect, reconnect } from "../../plan/connect.ts";
 import { removeElements } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { EndSelect } from "./end_select.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 
 interface GoalProps {
   readonly inspected: InspectedState;

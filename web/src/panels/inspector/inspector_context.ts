@@ -3,13 +3,10 @@
 import type { ElementRef } from "../../model/element.ts";
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
-import { isRefused, type Planned } from "../../plan/plan.ts";
-import { wasRefused } from "../../store/document/machine_session.ts";
+import type { Planned } from "../../plan/plan.ts";
+import { applyPlan, type Made } from "../../store/page/apply_plan.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";
-import { mayEdit, whyFixed } from "../../store/page/rights.ts";
-
-/** Result of an edit: an immediate refusal, or the response of the server. Null means success. */
-export type Made = string | Promise<string | null>;
+import { mayEdit } from "../../store/page/rights.ts";
 
 /** A machine in the inspector. */
 export interface InspectorContext {
@@ -32,15 +29,9 @@ export interface InspectedState extends InspectorContext {
   readonly readOnly: boolean;
 }
 
-/** Applies an edit; returns null, or the reason of a refusal. */
+/** Applies an edit; returns null, or the reason of a refusal. The inspector keeps showing its element. */
 export function makeEdit(page: Page, tab: OpenTab, plan: (machine: Machine) => Planned): Made {
-  const why = whyFixed(page, tab);
-  if (why !== null) return why;
-  const planned = plan(tab.session.machine);
-  if (isRefused(planned)) return tab.session.named(planned.refused);
-  return tab.session
-    .edit(planned.name, planned.edit)
-    .then((answer) => (wasRefused(answer) ? tab.session.named(answer.refused) : null));
+  return applyPlan(page, tab, plan(tab.session.machine), "keep");
 }
 
 export function inspectedState(context: InspectorContext, path: string): InspectedState | null {

@@ -13,9 +13,10 @@ import {
   withPolicy,
 } from "../../model/lost_link.ts";
 import { setSemanticData } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { Select, TextField } from "../../ui/field.tsx";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 const TITLES: Readonly<Record<Loss, string>> = {

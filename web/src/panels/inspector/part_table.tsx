@@ -8,11 +8,12 @@ import type { Point } from "../../model/geometry.ts";
 import { partsIn } from "../../plan/clipboard.ts";
 import { type PartKind, pasteParts } from "../../plan/parts.ts";
 import { removeElements } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useChosenRows } from "../../ui/chosen_rows.ts";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";
 import { Table, type TableColumn } from "../../ui/table.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 
 interface PartsOf {
   readonly inspected: InspectedState;

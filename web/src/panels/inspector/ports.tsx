@@ -15,11 +15,12 @@ import {
   useRuntimeValue as withRuntimeValue,
 } from "../../plan/ports.ts";
 import { removeElements } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { Checkbox, type Commit } from "../../ui/field.tsx";
 import type { TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { PartTable, PasteButton, useAdded } from "./part_table.tsx";
 import { Refusal, useRefusal } from "./refusal.tsx";
 import { useRenaming } from "./renaming.tsx";

@@ -1,7 +1,8 @@
 /** Reason of a refusal, shown beside the field. */
 
 import { useCallback, useState } from "react";
-import type { Made } from "./inspector_context.ts";
+
+import type { Made } from "../../store/page/apply_plan.ts";
 
 /** Last refusal, and a function that runs an edit and stores its refusal. */
 export function useRefusal(): readonly [string | null, (made: Made) => void] {

@@ -6,10 +6,11 @@ import { nameOf } from "../../model/ends.ts";
 import { lineAt, renameInScript, type ScriptUse, scriptUses } from "../../model/python.ts";
 import { renameElement } from "../../plan/rename_in_script.ts";
 import { drafts, type FieldDraft } from "../../store/document/drafts.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import type { CommitQuestion } from "../../ui/field.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 
 type RenamingChoice = "script" | "name" | "nothing";
 

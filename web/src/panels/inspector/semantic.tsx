@@ -15,11 +15,12 @@ import {
 } from "../../model/semantic.ts";
 import { refused } from "../../plan/plan.ts";
 import { setSemanticData } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { Table, type TableColumn } from "../../ui/table.tsx";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 const ROWS_MAX = 16;

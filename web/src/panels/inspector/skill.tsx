@@ -9,10 +9,11 @@ import {
   withSkillNotes,
 } from "../../model/skill.ts";
 import { setSemanticData } from "../../plan/states.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { onDemand } from "../../ui/on_demand.tsx";
 import { Fold } from "./fold.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 const SkillForm = onDemand(async () => (await import("./skill_form.tsx")).SkillForm);

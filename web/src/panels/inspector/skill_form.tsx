@@ -10,12 +10,13 @@ import {
   skillFaults,
   wordsOfNotes,
 } from "../../model/skill.ts";
+import type { Made } from "../../store/page/apply_plan.ts";
 import { knownWords } from "../../store/planner/planner.ts";
 import { Button } from "../../ui/button.tsx";
 import { Checkbox, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { PddlField } from "../parts/pddl_field.tsx";
-import type { InspectedState, Made } from "./inspector_context.ts";
+import type { InspectedState } from "./inspector_context.ts";
 import { Refusal, useRefusal } from "./refusal.tsx";
 
 interface SkillFormProps {

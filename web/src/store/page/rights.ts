@@ -12,6 +12,9 @@ export function mayEdit({ server }: { readonly server: Pick<Page["server"], "lin
 }
 
 /** Reason why a machine cannot be edited; null if it can. */
-export function whyFixed(page: Page, tab: OpenTab): string | null {
+export function whyFixed(
+  page: { readonly server: Pick<Page["server"], "link"> },
+  tab: { readonly session: Pick<OpenTab["session"], "fixed"> },
+): string | null {
   return mayEdit(page) ? tab.session.fixed : MAY_ONLY_LOOK;
 }
