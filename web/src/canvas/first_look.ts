@@ -1,25 +1,20 @@
-/** Camera of a machine that is opened: its last position in this browser tab, or a view of the whole machine. */
+/** Camera of a machine when it is first shown: the kept one of its view, or the whole machine. */
 
 import type { Box, Size } from "../model/geometry.ts";
-import { kept, localStoreOf } from "../store/local_store.ts";
 import type { OpenTab } from "../store/page/page.ts";
-import type { Camera } from "../store/page/view.ts";
+import { type Camera, FIRST_CAMERA } from "../store/page/view.ts";
 import { screenBox } from "./camera.ts";
 import { filling } from "./framing.ts";
 import type { InteractionController } from "./interaction.ts";
 
-/** Store of this browser tab, which survives reloads. */
-const TAB_STORE = localStoreOf(() => window.sessionStorage);
-
 /** Sets the camera as soon as the canvas has a size. After a resize the centre of the view, or the whole machine, stays visible.
- * Stores the camera when the page is left. Returns a function that stops all this. */
+ * Returns a function that stops this. */
 export function firstLook(
   root: HTMLElement,
   tab: OpenTab,
   controller: InteractionController,
 ): () => void {
   const { view, session } = tab;
-  const key = `rafcon.camera.${session.id}`;
   const box = () => controller.layout().box(session.machine.root) ?? null;
   const sized = () => {
     const size = { width: root.clientWidth, height: root.clientHeight };
@@ -27,7 +22,7 @@ export function firstLook(
     const before = view.canvasSize.peek();
     const camera = before
       ? resized(view.camera.peek(), box(), before, size)
-      : (remembered(key) ?? lookAtMachine(box(), size));
+      : firstCamera(view.camera.peek(), box(), size);
     if (!camera) return;
     view.canvasSize.value = size;
     view.camera.value = camera;
@@ -35,15 +30,12 @@ export function firstLook(
   sized();
   const observer = new ResizeObserver(sized);
   observer.observe(root);
-  const remember = () => {
-    if (view.canvasSize.peek()) TAB_STORE.put(key, view.camera.peek());
-  };
-  window.addEventListener("pagehide", remember);
-  return () => {
-    observer.disconnect();
-    window.removeEventListener("pagehide", remember);
-    remember();
-  };
+  return () => observer.disconnect();
+}
+
+/** The kept camera, also in another browser tab. */
+function firstCamera(kept: Camera, machine: Box | null, size: Size): Camera | null {
+  return kept === FIRST_CAMERA ? lookAtMachine(machine, size) : kept;
 }
 
 function lookAtMachine(machine: Box | null, size: Size): Camera | null {
@@ -73,10 +65,4 @@ function isSame(one: Camera, other: Camera): boolean {
 function isWhole(box: Box, camera: Camera, size: Size): boolean {
   const on = screenBox(camera, box);
   return on.x >= 0 && on.y >= 0 && on.x + on.width <= size.width && on.y + on.height <= size.height;
-}
-
-function remembered(key: string): Camera | null {
-  const { x, y, scale } = kept<Partial<Camera>>(TAB_STORE, key) ?? {};
-  const isFine = [x, y, scale].every((part) => Number.isFinite(part)) && (scale ?? 0) > 0;
-  return isFine ? { x: x ?? 0, y: y ?? 0, scale: scale ?? 1 } : null;
 }

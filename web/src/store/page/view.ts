@@ -42,7 +42,7 @@ export interface GhostMachine {
   readonly chosen: string | null;
 }
 
-/** Camera before the user has moved it; the canvas then fits the root. */
+/** Camera of a view that has none yet, compared by identity; the canvas then fits the root. */
 export const FIRST_CAMERA: Camera = { x: 0, y: 0, scale: 1 };
 
 export interface SessionView {
