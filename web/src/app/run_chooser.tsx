@@ -4,7 +4,7 @@ import { ChevronDown } from "lucide-react";
 import { useRef, useState } from "react";
 import type { CommandMenuEntry } from "../commands/menus.ts";
 import type { RunSummary } from "../model/generated/protocol.ts";
-import { runStatusWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
+import { isLive, runStatusWords, statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { agePhrase } from "../panels/parts/age.ts";
 import { duration, growing } from "../panels/parts/duration.ts";
 import { RunStatusView } from "../panels/parts/run_status_mark.tsx";
@@ -12,7 +12,6 @@ import { useRunAge } from "../panels/run_age.ts";
 import type { Watch } from "../store/history/run.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { startedAt } from "../store/page/times.ts";
-import { isGoingOn } from "../store/run/age.ts";
 import { elapsedAtDataEnd } from "../store/run/data_end.ts";
 import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
@@ -77,7 +76,7 @@ function RunStatusMark({ watch }: { watch: Watch }) {
   );
   const elapsed = useComputed(() => {
     const now = watch.now.value;
-    const isTicking = now !== null && isGoingOn(now);
+    const isTicking = now !== null && isLive(now.run.phase);
     const ms = elapsedAtDataEnd(page, watch);
     return isTicking ? growing(ms) : duration(ms);
   }, [page, watch]);

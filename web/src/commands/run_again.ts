@@ -2,6 +2,7 @@
 
 import { effect } from "@preact/signals-core";
 import type { MachineFile } from "../model/generated/protocol.ts";
+import { isLive } from "../model/run_words.ts";
 import type { Page } from "../store/page/page.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { lacks, robotRefuses } from "./run_rules.ts";
@@ -15,7 +16,7 @@ export const RUN_AGAIN: readonly UserCommand[] = [
     refusal: ({ page, tab }) => {
       const phase = tab?.run.value?.now.value?.run.phase;
       if (phase === undefined) return "no run is shown here: start one, or choose one";
-      if (phase === "live" || phase === "starting") return "the run is still active";
+      if (isLive(phase)) return "the run is still active";
       if (page.server.link.value.state !== "up") return "there is no connection to the server";
       const watch = tab?.run.value;
       return lacks(page, "start") ?? (watch ? robotRefuses(watch, "start") : null);

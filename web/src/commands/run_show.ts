@@ -1,7 +1,7 @@
 /** Which run is shown, at which moment, beside which other; and what becomes of runs that are over. */
 
 import type { RunSummary } from "../model/generated/protocol.ts";
-import { statusInWords, summaryStatusWords } from "../model/run_words.ts";
+import { isLive, statusInWords, summaryStatusWords } from "../model/run_words.ts";
 import { comparedRun } from "../store/history/compared_run.ts";
 import { entryToStartFrom } from "../store/history/moments.ts";
 import { pageBase } from "../store/page/base.ts";
@@ -124,7 +124,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
       const id = idOf(page, argument);
       if (id === null) return NONE;
       const phase = page.runs.all.value.find((run) => run.id === id)?.phase;
-      if (phase === "live" || phase === "starting") return "the run is active: stop it first";
+      if (isLive(phase)) return "the run is active: stop it first";
       return lacks(page, "administer");
     },
     run: remove,

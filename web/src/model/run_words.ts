@@ -33,6 +33,11 @@ export interface RunStatusWords {
   readonly detail: string;
 }
 
+/** True in the phases of an active run. */
+export function isLive(phase: RunSummary["phase"] | undefined): boolean {
+  return phase === "live" || phase === "starting";
+}
+
 /** Status of a run from its summary. */
 export function summaryStatusWords(run: RunSummary): RunStatusWords {
   switch (run.phase) {

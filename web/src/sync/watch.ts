@@ -14,6 +14,7 @@ import type {
   StartedRun,
   ToClient,
 } from "../model/generated/protocol.ts";
+import { isLive } from "../model/run_words.ts";
 import { type AheadValues, NOTHING_AHEAD } from "../store/history/ahead.ts";
 import { Journal } from "../store/history/journal.ts";
 import { rolled, withBase } from "../store/history/rolled.ts";
@@ -242,8 +243,7 @@ export class RunWatch implements Watch {
       this.proven_ms.value = Math.max(now.now_ms, this.#server_ms() ?? now.now_ms);
       this.isCurrent.value = true;
     });
-    const isLive = now.run.phase === "live" || now.run.phase === "starting";
-    if (this.#hasHistoryEnded && (isLive || this.#written() >= this.journal.next))
+    if (this.#hasHistoryEnded && (isLive(now.run.phase) || this.#written() >= this.journal.next))
       this.#followHistory();
   }
 

@@ -18,21 +18,15 @@ import { liveRun } from "../../store/run/running.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost } from "../context.tsx";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { AtMoment } from "./at_moment.tsx";
 import { breakpointInWords } from "./words.ts";
 import "./breakpoints.css";
 
-export function Breakpoints() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="Breakpoints of the open machine appear here." />
-  );
-}
+export const Breakpoints = forTab(BreakpointsOfTab, "Breakpoints of the open machine appear here.");
 
-function OfTab({ tab }: { tab: OpenTab }) {
+function BreakpointsOfTab({ tab }: TabPanelProps) {
   const host = useHost();
   const all = useComputed(() => breakpointsOf(tab), [tab]);
   const live = useComputed(() => liveRun(tab), [tab]);

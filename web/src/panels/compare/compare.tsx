@@ -17,8 +17,8 @@ import { Empty } from "../../ui/empty.tsx";
 import { Select } from "../../ui/field.tsx";
 import { Section } from "../../ui/section.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useHost } from "../context.tsx";
-import { NoRun } from "../parts/no_run.tsx";
+import { useHost } from "../context.tsx";
+import { forRun, type RunPanelProps } from "../parts/for_tab.tsx";
 import { comparedOf, compareNow } from "../parts/parted.ts";
 import { AroundDifference } from "./around_difference.tsx";
 import { Branches } from "./branches.tsx";
@@ -27,31 +27,13 @@ import type { ShowCompared } from "./show.ts";
 import { TimingTable } from "./timing_table.tsx";
 import "./compare.css";
 
-export function Compare() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty
-      title="No machine is open"
-      text="Two runs of the open machine appear here side by side."
-    />
-  );
-}
+export const Compare = forRun(
+  CompareOfRun,
+  "Compare it with another run to see where they diverge, and why.",
+  "Two runs of the open machine appear here side by side.",
+);
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
-  const watch = useSignal(tab.run);
-  if (!watch)
-    return <NoRun what="Compare it with another run to see where they diverge, and why." />;
-  return <OfRun key={watch.id} tab={tab} watch={watch} />;
-}
-
-interface CompareProps {
-  readonly tab: OpenTab;
-  readonly watch: Watch;
-}
-
-function OfRun({ tab, watch }: CompareProps) {
+function CompareOfRun({ tab, watch }: RunPanelProps) {
   const { page } = useHost().context();
   const compared = useSignal(comparedOf(watch));
   useComparison(page, watch);
@@ -106,7 +88,7 @@ function useMarks({ view }: OpenTab, comparison: Comparison | null): void {
   }, [view, parted]);
 }
 
-interface ChooserProps extends CompareProps {
+interface ChooserProps extends RunPanelProps {
   readonly page: Page;
 }
 
@@ -159,7 +141,7 @@ function inWords(run: RunSummary): string {
   return `${wallTime(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`;
 }
 
-interface ComparedProps extends CompareProps {
+interface ComparedProps extends RunPanelProps {
   readonly other: string;
   readonly comparison: Comparison;
 }

@@ -11,25 +11,19 @@ import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { Checkbox, Select } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import { DifferenceList } from "../difference_list.tsx";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { reveal } from "../reveal.ts";
 import { againstOptions, optionOf } from "./against.ts";
 import "./differences.css";
 
-export function Differences() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty
-      title="No machine is open"
-      text="Differences between the open machine and its files, an earlier version or another machine appear here."
-    />
-  );
-}
+export const Differences = forTab(
+  DifferencesOfTab,
+  "Differences between the open machine and its files, an earlier version or another machine appear here.",
+);
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
+function DifferencesOfTab({ tab }: TabPanelProps) {
   const { page } = useHost().context();
   const comparison = comparisonOf(tab, page.server);
   const against = useSignal(comparison.against);

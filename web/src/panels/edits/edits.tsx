@@ -3,30 +3,22 @@
 import { CornerUpLeft, Redo2, Undo2 } from "lucide-react";
 import { useMemo, useState } from "react";
 import { type StepRow, stepRows, stepTree } from "../../model/steps.ts";
-import type { OpenTab } from "../../store/page/page.ts";
 import { mayEdit } from "../../store/page/rights.ts";
 import { wallTime } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
-import { Empty } from "../../ui/empty.tsx";
 import { Checkbox } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
-import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost } from "../context.tsx";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { Graph, graphWidth } from "./graph.tsx";
 import { jumpTo } from "./jump.ts";
 import { StepDetail } from "./step_detail.tsx";
 import "./edits.css";
 
-export function Edits() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="All edits of the open machine appear here." />
-  );
-}
+export const Edits = forTab(EditsOfTab, "All edits of the open machine appear here.");
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
+function EditsOfTab({ tab }: TabPanelProps) {
   const host = useHost();
   const run = useCommand();
   const steps = useSignal(tab.session.steps);

@@ -14,7 +14,8 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import type { TreeSource } from "../../ui/tree_rows.ts";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { InRun } from "./in_run.tsx";
 import { RenameGlobal } from "./rename_global.tsx";
 import { countsInWords, found, placeInWords } from "./words.ts";
@@ -30,16 +31,9 @@ type GlobalNode = {
 /** Delay after an edit until the scripts are scanned, in ms. */
 const PATIENCE_MS = 200;
 
-export function Globals() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="Global variables of the open machine appear here." />
-  );
-}
+export const Globals = forTab(GlobalsOfTab, "Global variables of the open machine appear here.");
 
-function OfTab({ tab }: { tab: OpenTab }) {
+function GlobalsOfTab({ tab }: TabPanelProps) {
   const { page } = useHost().context();
   const all = useGlobals(tab);
   const watch = useSignal(tab.run);

@@ -29,35 +29,21 @@ import { TextField } from "../../ui/field.tsx";
 import { ContextMenu } from "../../ui/menu.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";
+import { forRun, type RunPanelProps } from "../parts/for_tab.tsx";
 import { happenedInWords, type NameOf, namesOf } from "../parts/happened.ts";
-import { NoRun } from "../parts/no_run.tsx";
 import { reveal } from "../reveal.ts";
 import { ends, type HistoryNode, lengthOf, Nodes, timesOf } from "./nodes.ts";
 import "./history.css";
 
-export function RunHistory() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="The calls of its runs appear here." />
-  );
-}
+export const RunHistory = forRun(
+  RunHistoryOfRun,
+  "Its calls appear here.",
+  "The calls of its runs appear here.",
+);
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
-  const watch = useSignal(tab.run);
-  if (!watch) return <NoRun what="Its calls appear here." />;
-  return <OfRun key={watch.id} tab={tab} watch={watch} />;
-}
-
-interface HistoryProps {
-  readonly tab: OpenTab;
-  readonly watch: Watch;
-}
-
-function OfRun({ tab, watch }: HistoryProps) {
+function RunHistoryOfRun({ tab, watch }: RunPanelProps) {
   const [query, setQuery] = useState("");
   const [menu, setMenu] = useState<HistoryMenu | null>(null);
   useSignal(watch.journalVersion);
@@ -91,7 +77,7 @@ function OfRun({ tab, watch }: HistoryProps) {
 }
 
 /** Loaded part of a long run, and buttons for the rest. */
-function Part({ watch }: Pick<HistoryProps, "watch">) {
+function Part({ watch }: Pick<RunPanelProps, "watch">) {
   const { window, journal, playhead } = watch;
   const last = (journal.next - 1).toLocaleString("en");
   if (journal.base === null) {
@@ -156,7 +142,7 @@ interface HistoryMenu {
   readonly at: { readonly x: number; readonly y: number };
 }
 
-interface HistoryListProps extends HistoryProps {
+interface HistoryListProps extends RunPanelProps {
   readonly show: ShowEntry;
   readonly onMenu: (sequence: number, at: HistoryMenu["at"]) => void;
 }
@@ -373,7 +359,7 @@ function Menu({
   tab,
   watch,
   onClose,
-}: HistoryMenu & HistoryProps & { onClose: () => void }) {
+}: HistoryMenu & RunPanelProps & { onClose: () => void }) {
   const host = useHost();
   const context = host.context();
   const { window } = watch;

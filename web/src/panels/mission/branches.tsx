@@ -2,7 +2,7 @@
  * ended before. */
 
 import { Play } from "lucide-react";
-import { reasonOfHold } from "../../model/run_words.ts";
+import { isLive, reasonOfHold } from "../../model/run_words.ts";
 import { type LastEnd, lastEndBeside } from "../../store/history/last_end.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { type Active, placeOfLane } from "../../store/run/active.ts";
@@ -66,7 +66,7 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   const command = isFar ? "run.start-again" : "run.start";
   const refusal = useRefusalOf(command);
   const isKnown = useComputed(() => watch.now.value?.snapshot != null, [watch]);
-  if (phase === "live" || phase === "starting") {
+  if (isLive(phase)) {
     return (
       <section className="mission-part" aria-label="Active now">
         <p className="mission-soft">

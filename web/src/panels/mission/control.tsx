@@ -4,6 +4,7 @@ import { ArrowRightLeft, Hand, KeyRound, LogOut, ShieldAlert, Undo2 } from "luci
 import type { ReactNode } from "react";
 import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
+import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { wallTime } from "../../store/page/times.ts";
 import { sessionOfPage } from "../../store/run/running.ts";
@@ -12,7 +13,6 @@ import { useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost, useRefusalOf } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
 import { Identity } from "./identity.tsx";
-import { isGoingOn } from "./no_run.tsx";
 
 export function ControlPart({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
@@ -20,7 +20,7 @@ export function ControlPart({ watch }: { readonly watch: Watch }) {
   const user = useComputed(() => sessionOfPage(page)?.user ?? null, [page]);
   const isOn = useComputed(() => {
     const run = watch.now.value?.run;
-    return run !== undefined && isGoingOn(run);
+    return isLive(run?.phase);
   }, [watch]);
   if (!control || !isOn) {
     return (

@@ -1,6 +1,6 @@
 /** Head of mission control: the mission, its status, and its duration. It has a fixed height, so that the parts below do not move. */
 
-import { runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
+import { isLive, runStatusWords, summaryStatusWords } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clockTimes, missionClock, startedAt } from "../../store/page/times.ts";
 import { earlierRuns, expectedLength } from "../../store/run/baseline.ts";
@@ -10,7 +10,6 @@ import { isSameRecord, useComputed, useSignal } from "../../ui/signals.ts";
 import { useCommand, useHost } from "../context.tsx";
 import { AsOf } from "../parts/as_of.tsx";
 import { duration } from "../parts/duration.ts";
-import { isGoingOn as isSummaryGoingOn } from "./no_run.tsx";
 import { StatusWord } from "./status_word.tsx";
 
 export function Head({ watch }: { readonly watch: Watch }) {
@@ -114,7 +113,7 @@ function OtherRuns({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const run = useCommand();
   const all = useSignal(page.runs.all);
-  const others = all.filter((one) => one.id !== watch.id && isSummaryGoingOn(one));
+  const others = all.filter((one) => one.id !== watch.id && isLive(one.phase));
   if (others.length === 0) return null;
   return (
     <label className="mission-switch">

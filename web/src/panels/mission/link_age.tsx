@@ -2,6 +2,7 @@
 
 import { History, Unplug, Wifi } from "lucide-react";
 import type { LinkHealth } from "../../model/generated/protocol.ts";
+import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
 import type { RunAge } from "../../store/run/age.ts";
@@ -45,7 +46,7 @@ function IsHeard({ watch }: { readonly watch: Watch }) {
   const phase = useComputed(() => watch.now.value?.run.phase, [watch]);
   const robot = useComputed(() => watch.now.value?.robot, [watch]);
   const silent_ms = useComputed(() => silence(page, watch, clock1s.value), [page, watch]);
-  if (phase !== "live" && phase !== "starting") return null;
+  if (!isLive(phase)) return null;
   const delay = robot
     ? ` (${farAway(robot)})`
     : pulse?.delay_ms == null

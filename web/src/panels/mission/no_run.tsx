@@ -1,7 +1,7 @@
 /** Mission control without a run: a choice of active runs, and the start of a new one. */
 
 import { Radar } from "lucide-react";
-import { summaryStatusWords } from "../../model/run_words.ts";
+import { isLive, summaryStatusWords } from "../../model/run_words.ts";
 import { startedAt, timeScale } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -20,8 +20,8 @@ export function NoRun() {
   const run = useCommand();
   const all = useSignal(page.runs.all);
   const coming = useSignal(page.comingRun);
-  const live = all.filter(isGoingOn);
-  const over = all.filter((one) => !isGoingOn(one)).slice(0, OVER_MAX);
+  const live = all.filter(({ phase }) => isLive(phase));
+  const over = all.filter(({ phase }) => !isLive(phase)).slice(0, OVER_MAX);
   const refusal = useComputed(() => {
     page.active.value;
     return commands.refusalOf("run.start", context());
@@ -100,7 +100,7 @@ function StatusLine({ run }: { readonly run: RunInList }) {
 function Length({ run }: { readonly run: RunInList }) {
   const { page } = useHost().context();
   const text = useComputed(() => {
-    if (!isGoingOn(run)) return duration(run.length_ms);
+    if (!isLive(run.phase)) return duration(run.length_ms);
     const server_ms = page.server.pulse.value?.server_ms ?? 0;
     const there_ms = Math.min(run.unheard_since_ms ?? server_ms, server_ms);
     return growing(Math.max(0, there_ms - run.started_ms));
@@ -109,7 +109,3 @@ function Length({ run }: { readonly run: RunInList }) {
 }
 
 type RunInList = Parameters<typeof summaryStatusWords>[0];
-
-export function isGoingOn({ phase }: RunInList): boolean {
-  return phase === "live" || phase === "starting";
-}

@@ -4,8 +4,8 @@ import { CalendarClock, Radio, RadioTower } from "lucide-react";
 import { useState } from "react";
 import { untilContact_ms, waitForContact_ms } from "../../model/contact_wait.ts";
 import type { ClockOffset, LinkHealth, LinkRights } from "../../model/generated/protocol.ts";
+import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
-import { isGoingOn } from "../../store/run/age.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { onDemand } from "../../ui/on_demand.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
@@ -25,7 +25,7 @@ export function RobotLink({ watch }: { readonly watch: Watch }) {
   // After the end of a run, the status of the link is no longer updated.
   const robot = useComputed(() => {
     const now = watch.now.value;
-    return now && isGoingOn(now) ? (now.robot ?? null) : null;
+    return now && isLive(now.run.phase) ? (now.robot ?? null) : null;
   }, [watch]);
   const pulse = useSignal(page.server.pulse);
   const [showsPlan, setShowsPlan] = useState(false);

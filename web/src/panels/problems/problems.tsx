@@ -13,24 +13,18 @@ import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { reveal } from "../reveal.ts";
 import "./problems.css";
 
-export function Problems() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="Problems of the open machine appear here." />
-  );
-}
+export const Problems = forTab(ProblemsOfTab, "Problems of the open machine appear here.");
 
 function idOf({ path, part, rule, message }: MachineProblem): string {
   return [path, part, rule, message].join("\n");
 }
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
+function ProblemsOfTab({ tab }: TabPanelProps) {
   const host = useHost();
   const problems = useSignal(tab.session.problems);
   const [query, setQuery] = useState("");

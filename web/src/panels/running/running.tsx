@@ -1,11 +1,10 @@
 /** Active branches, one row each. Those that need a person come first. A row has the duration compared with earlier runs, the
  * state that ended before, and buttons to step only this branch. */
 
-import { signal } from "@preact/signals-core";
 import { ArrowDownToLine, ArrowRightToLine, ArrowUpFromLine, Undo2 } from "lucide-react";
 import { useMemo } from "react";
 import { namesTo } from "../../model/machine.ts";
-import { holdInWords } from "../../model/run_words.ts";
+import { holdInWords, isLive } from "../../model/run_words.ts";
 import { lastEndBeside } from "../../store/history/last_end.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
@@ -14,31 +13,22 @@ import { type Baseline, baselineOf, usualInWords } from "../../store/run/baselin
 import { IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost } from "../context.tsx";
 import { AsOf } from "../parts/as_of.tsx";
 import { comesNext, inOrder, PHASES, phaseInWords, toneOf } from "../parts/branch.ts";
 import { duration, growing } from "../parts/duration.ts";
-import { NoRun } from "../parts/no_run.tsx";
+import { forRun, type RunPanelProps } from "../parts/for_tab.tsx";
 import { reveal } from "../reveal.ts";
 import { useSinceSnapshot } from "../since_snapshot.ts";
 import "./running.css";
 
-const NO_RUN = signal<Watch | null>(null);
 const NO_PAST: ReadonlyMap<string, Baseline> = new Map();
 /** Maximum number of rows; further branches are only counted. */
 const ROWS_MAX = 60;
 
-export function Running() {
-  const tab = useActiveTab();
-  const watch = useSignal(tab?.run ?? NO_RUN);
-  return tab && watch ? (
-    <OfRun key={watch.id} tab={tab} watch={watch} />
-  ) : (
-    <NoRun what="Active states appear here, one row per branch." />
-  );
-}
+export const Running = forRun(RunningOfRun, "Active states appear here, one row per branch.");
 
-function OfRun({ tab, watch }: { readonly tab: OpenTab; readonly watch: Watch }) {
+function RunningOfRun({ tab, watch }: RunPanelProps) {
   const shown = useComputed(() => inOrder(lanes(activeStates(watch))), [watch]);
   const playhead = useSignal(watch.playhead);
   const sinceSnapshot_ms = useSinceSnapshot(watch);
@@ -77,10 +67,9 @@ function Nothing({ watch }: { readonly watch: Watch }) {
   if (isUnknown) {
     return <Empty title="Not known yet" text="Active states appear once the robot responds." />;
   }
-  const text =
-    phase === "live" || phase === "starting"
-      ? "The run has not entered its first state."
-      : "The run has ended. Its timeline shows what ran at any moment.";
+  const text = isLive(phase)
+    ? "The run has not entered its first state."
+    : "The run has ended. Its timeline shows what ran at any moment.";
   return <Empty title="Nothing is running" text={text} />;
 }
 

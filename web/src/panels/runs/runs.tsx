@@ -5,7 +5,7 @@ import { MoreVertical, RefreshCw } from "lucide-react";
 import { memo, useState } from "react";
 import { lacks } from "../../commands/run_rules.ts";
 import type { RunSummary } from "../../model/generated/protocol.ts";
-import { summaryStatusWords } from "../../model/run_words.ts";
+import { isLive, summaryStatusWords } from "../../model/run_words.ts";
 import { startedAt, timeScale } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
@@ -79,11 +79,7 @@ const Row = memo(RunRow, (one, other) => rowText(one.run) === rowText(other.run)
 function rowText(run: RunSummary): string {
   const { word, detail } = summaryStatusWords(run);
   const silentSince_ms = run.unheard_since_ms ?? "";
-  return `${run.id} ${run.name} ${word} ${detail} ${silentSince_ms} ${isLive(run) ? "" : run.length_ms}`;
-}
-
-function isLive({ phase }: RunSummary): boolean {
-  return phase === "live" || phase === "starting";
+  return `${run.id} ${run.name} ${word} ${detail} ${silentSince_ms} ${isLive(run.phase) ? "" : run.length_ms}`;
 }
 
 function RunRow({ run }: { run: RunSummary }) {
@@ -118,7 +114,7 @@ function RunRow({ run }: { run: RunSummary }) {
         <RunStatusView status={status} assumed={assumed} />
         <span className="runs-when">
           {started}
-          {isLive(run) ? "" : ` · ${duration(run.length_ms)}`}
+          {isLive(run.phase) ? "" : ` · ${duration(run.length_ms)}`}
           {by}
         </span>
       </button>
@@ -143,7 +139,7 @@ function useMayBeOld(run: RunSummary, isShown: boolean): boolean {
   const isOldInFront = useIsOld(page);
   const isDown = useSignal(page.server.link).state !== "up";
   const isUnheard = run.unheard_since_ms !== undefined;
-  return isLive(run) && (isDown || isUnheard || (isShown && isOldInFront));
+  return isLive(run.phase) && (isDown || isUnheard || (isShown && isOldInFront));
 }
 
 function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
@@ -155,7 +151,9 @@ function useShownRun(tab: ReturnType<typeof useActiveTab>): string | null {
 function useItems(run: RunSummary, inFront: string | null): () => readonly MenuItem[] {
   const command = useCommand();
   const { page } = useHost().context();
-  const refusal = isLive(run) ? "the run is active: stop it first" : lacks(page, "administer");
+  const refusal = isLive(run.phase)
+    ? "the run is active: stop it first"
+    : lacks(page, "administer");
   const item = (id: string, title: string, name: string, argument: unknown = run.id) => ({
     id,
     title,

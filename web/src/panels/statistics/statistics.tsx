@@ -3,40 +3,29 @@
 import { Flame, RefreshCw } from "lucide-react";
 import { type RefObject, useLayoutEffect, useMemo, useRef, useState } from "react";
 import type { StateStatistics } from "../../model/generated/protocol.ts";
-import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab } from "../../store/page/page.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
 import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Table, type TableColumn } from "../../ui/table.tsx";
-import { useActiveTab, useCommand, useHost } from "../context.tsx";
+import { useCommand, useHost } from "../context.tsx";
 import { measured } from "../parts/duration.ts";
+import { forRun, type RunPanelProps } from "../parts/for_tab.tsx";
 import { reveal } from "../reveal.ts";
 import { rowsOf, type Sort, scaleOf, sortedBy } from "./rows.ts";
 import { type Counted, useStatistics, useStatisticsUntil } from "./use_statistics.ts";
 import "./statistics.css";
 
-export function Statistics() {
-  const tab = useActiveTab();
-  return tab ? <OfTab key={tab.session.id} tab={tab} /> : <NoRun />;
-}
+export const Statistics = forRun(
+  StatisticsOfRun,
+  <Empty
+    title="No run is shown"
+    text="Start a run or open one in Runs to see how often its states ran, how long, and how they ended."
+  />,
+);
 
-function NoRun() {
-  return (
-    <Empty
-      title="No run is shown"
-      text="Start a run or open one in Runs to see how often its states ran, how long, and how they ended."
-    />
-  );
-}
-
-function OfTab({ tab }: { tab: OpenTab }) {
-  const watch = useSignal(tab.run);
-  return watch ? <OfRun key={watch.id} tab={tab} watch={watch} /> : <NoRun />;
-}
-
-function OfRun({ tab, watch }: { tab: OpenTab; watch: Watch }) {
+function StatisticsOfRun({ tab, watch }: RunPanelProps) {
   const host = useHost();
   const command = useCommand();
   const place = useRef<HTMLDivElement>(null);

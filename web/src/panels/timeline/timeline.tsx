@@ -20,14 +20,13 @@ import { selectedStates } from "../../store/page/view.ts";
 import { gapsOf, lackingOf } from "../../store/run/gaps.ts";
 import type { RunSearch } from "../../store/run/search.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
-import { Empty } from "../../ui/empty.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
+import { forRun, type RunPanelProps } from "../parts/for_tab.tsx";
 import { namesOf } from "../parts/happened.ts";
 import { useMoment } from "../parts/moment_words.ts";
-import { NoRun } from "../parts/no_run.tsx";
 import { partedAt } from "../parts/parted.ts";
 import { reveal } from "../reveal.ts";
 import { useRunAge } from "../run_age.ts";
@@ -37,21 +36,11 @@ import { type TimelineModel, timelineOf } from "./model.ts";
 import { Pointed } from "./pointed.tsx";
 import "./timeline.css";
 
-export function Timeline() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="Its runs appear here over time." />
-  );
-}
-
-function OfTab({ tab }: { readonly tab: OpenTab }) {
-  const watch = useSignal(tab.run);
-  const { page } = useHost().context();
-  if (!watch) return <NoRun what="Its states appear here over time, one lane per branch." />;
-  return <OfRun key={watch.id} tab={tab} watch={watch} model={timelineOf(watch, page)} />;
-}
+export const Timeline = forRun(
+  TimelineOfRun,
+  "Its states appear here over time, one lane per branch.",
+  "Its runs appear here over time.",
+);
 
 interface TimelineProps {
   readonly tab: OpenTab;
@@ -59,8 +48,9 @@ interface TimelineProps {
   readonly model: TimelineModel;
 }
 
-function OfRun({ tab, watch, model }: TimelineProps) {
+function TimelineOfRun({ tab, watch }: RunPanelProps) {
   const { page } = useHost().context();
+  const model = timelineOf(watch, page);
   const { isOld } = useRunAge(page, watch);
   return (
     <section className={isOld ? "timeline is-old" : "timeline"} aria-label="Timeline">

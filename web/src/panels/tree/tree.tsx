@@ -16,27 +16,24 @@ import { TextField } from "../../ui/field.tsx";
 import { Marked } from "../../ui/marked.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import { ElementMenu } from "../element_menu.tsx";
 import { KIND_ICONS } from "../kinds.ts";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { reveal } from "../reveal.ts";
 import { filtered } from "./rows.ts";
 import "./tree.css";
 
-export function StateTree() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty
-      icon={<ListTree size={22} />}
-      title="No machine is open"
-      text="All states of the open machine appear here as a tree."
-    />
-  );
-}
+export const StateTree = forTab(
+  StateTreeOfTab,
+  <Empty
+    icon={<ListTree size={22} />}
+    title="No machine is open"
+    text="All states of the open machine appear here as a tree."
+  />,
+);
 
-function OfTab({ tab }: { readonly tab: OpenTab }) {
+function StateTreeOfTab({ tab }: TabPanelProps) {
   const host = useHost();
   const { machine } = tab.session;
   const version = useSignal(tab.session.version);

@@ -10,23 +10,17 @@ import { setStateWatched, watchedStatesOf } from "../../store/run/watched_states
 import { addWatched, type Target, watchedOf } from "../../store/run/watched_values.ts";
 import { Empty } from "../../ui/empty.tsx";
 import { useComputed, useSignal } from "../../ui/signals.ts";
-import { useActiveTab, useHost } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import { duration } from "../parts/duration.ts";
+import { forTab, type TabPanelProps } from "../parts/for_tab.tsx";
 import { droppedValue, isValueDrag } from "../parts/value/dragged_value.ts";
 import { StateCard } from "./state_card.tsx";
 import { WatchCard } from "./watch_card.tsx";
 import "./watches.css";
 
-export function Watches() {
-  const tab = useActiveTab();
-  return tab ? (
-    <OfTab key={tab.session.id} tab={tab} />
-  ) : (
-    <Empty title="No machine is open" text="Values that you watch appear here." />
-  );
-}
+export const Watches = forTab(WatchesOfTab, "Values that you watch appear here.");
 
-function OfTab({ tab }: { tab: OpenTab }) {
+function WatchesOfTab({ tab }: TabPanelProps) {
   const all = useSignal(useMemo(() => computed(() => watchedOf(tab).value), [tab]));
   const states = useSignal(useMemo(() => computed(() => watchedStatesOf(tab).value), [tab]));
   const watch = useSignal(tab.run);

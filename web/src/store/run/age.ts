@@ -1,6 +1,6 @@
 /** Age of the shown state of a run, with the reason. Server times use the server's clock, however wrong this browser's clock is. */
 
-import type { RunNow } from "../../model/generated/protocol.ts";
+import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../history/run.ts";
 import type { Page } from "../page/page.ts";
 import { isServerSilent, sinceDataEnd } from "./data_end.ts";
@@ -32,7 +32,7 @@ export function runAge(page: Pick<Page, "server">, watch: Watch, now_ms: number)
 /** Age of the run's latest status, whatever moment is shown. */
 export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: number): RunAge {
   const now = watch.now.value;
-  if (!now || !isGoingOn(now)) return FRESH;
+  if (!now || !isLive(now.run.phase)) return FRESH;
   const [link, pulse] = [page.server.link.value, page.server.pulse.value];
   const age_ms = sinceDataEnd(page, watch, now_ms);
   const isLost =
@@ -42,11 +42,6 @@ export function truthAge(page: Pick<Page, "server">, watch: Watch, now_ms: numbe
   const isFarAway = now.robot != null;
   const why = isFarAway && now.link === "silent" ? "blackout" : (WHY[now.link] ?? "runner");
   return { age_ms, isOld: true, why };
-}
-
-/** True if the run is active, as far as is known. A run that is over no longer changes. */
-export function isGoingOn(now: RunNow): boolean {
-  return now.run.phase === "live" || now.run.phase === "starting";
 }
 
 /** Age of the shown moment: the time from it to the last received event. */

@@ -2,6 +2,7 @@
 
 import type { MachineFile, RunSummary, Session, Snapshot } from "../../model/generated/protocol.ts";
 import { isSame } from "../../model/json.ts";
+import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../history/run.ts";
 import type { OpenTab, Page } from "../page/page.ts";
 import { truthAge } from "./age.ts";
@@ -21,7 +22,7 @@ export function summaryOf(page: Page, watch: Watch): RunSummary | null {
 export function liveRun(tab: OpenTab | null): Watch | null {
   const watch = tab?.run.value ?? null;
   const phase = watch?.now.value?.run.phase;
-  return phase === "live" || phase === "starting" ? watch : null;
+  return isLive(phase) ? watch : null;
 }
 
 export function snapshotOf(watch: Watch | null): Snapshot | null {
@@ -42,7 +43,7 @@ export function runsOfTab(page: Page, tab: OpenTab): readonly RunSummary[] {
 export function runningBeside(page: Page, tab: OpenTab): readonly RunSummary[] {
   const shown = liveRun(tab)?.now.value?.run;
   const all = runsOfTab(page, tab);
-  const listed = all.filter(({ phase }) => phase === "live" || phase === "starting");
+  const listed = all.filter(({ phase }) => isLive(phase));
   const isListed = shown === undefined || listed.some(({ id }) => id === shown.id);
   return isListed ? listed : [shown, ...listed];
 }
