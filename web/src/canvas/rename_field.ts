@@ -85,7 +85,7 @@ function style(left: number, top: number, width: number): string {
     "box-sizing:border-box;padding:0 8px;border-radius:6px;font:inherit;text-align:center",
     "background:var(--raised);color:var(--text)",
     "border:1px solid var(--accent);outline:2px solid var(--accent)",
-    "z-index:2",
+    "z-index:var(--layer-over)",
   ].join(";");
 }
 
@@ -94,6 +94,6 @@ function reasonStyle(left: number, top: number, width: number): string {
     `position:absolute;left:${left}px;top:${top + HEIGHT + 6}px;width:${Math.max(width, 240)}px`,
     "box-sizing:border-box;padding:6px 8px;border-radius:6px;font:inherit",
     "background:var(--raised);color:var(--danger)",
-    "border:1px solid var(--danger);z-index:2",
+    "border:1px solid var(--danger);z-index:var(--layer-over)",
   ].join(";");
 }
