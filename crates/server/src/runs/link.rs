@@ -69,6 +69,8 @@ pub(super) async fn follow(run: &Run, is_up: impl FnOnce()) -> Result<(), LinkEr
         end = read(frames, run, &link, &pulse) => end,
         never = pulse::keep_asking(run, &link, &pulse) => match never {},
     };
+    // The pulse has the time by the present calendar.
+    run.look_at_calendar();
     run.clear_link(pulse.heard_ms());
     link.close();
     writer.abort();

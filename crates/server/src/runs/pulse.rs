@@ -25,8 +25,8 @@ const ROUND: u32 = 10;
 pub(super) struct RunnerPulse {
     /// Pings since its last message.
     unanswered: AtomicU32,
-    /// Time of its last message.
-    heard_ms: AtomicU64,
+    /// Time of its last message, in ms since boot: steps of the calendar do not change it.
+    heard_since_boot_ms: AtomicU64,
 }
 
 /// Action at the next ping.
@@ -52,20 +52,26 @@ pub(super) enum Liveness {
 impl RunnerPulse {
     /// The pulse of a runner that has just sent a message.
     pub(super) fn new() -> Self {
-        let heard_ms = AtomicU64::new(clock::since_1970_ms());
-        Self { unanswered: AtomicU32::new(0), heard_ms }
+        let heard_since_boot_ms = AtomicU64::new(millis(clock::since_boot()));
+        Self { unanswered: AtomicU32::new(0), heard_since_boot_ms }
     }
 
     /// Notes a message of the runner.
     pub(super) fn note_heard(&self) -> Liveness {
-        self.heard_ms.store(clock::since_1970_ms(), Ordering::Relaxed);
+        self.heard_since_boot_ms.store(millis(clock::since_boot()), Ordering::Relaxed);
         let unanswered = self.unanswered.swap(0, Ordering::Relaxed);
         if unanswered > UNANSWERED_MAX { Liveness::Again } else { Liveness::Still }
     }
 
-    /// Time of its last message: ms since 1970, UTC.
+    /// Time of its last message by the present calendar: ms since 1970, UTC.
     pub(super) fn heard_ms(&self) -> u64 {
-        self.heard_ms.load(Ordering::Relaxed)
+        self.heard_by(clock::since_boot(), clock::since_1970_ms())
+    }
+
+    /// Time of its last message. The arguments are the present time of both clocks.
+    fn heard_by(&self, since_boot: Duration, now_ms: u64) -> u64 {
+        let heard_ms = self.heard_since_boot_ms.load(Ordering::Relaxed);
+        now_ms.saturating_sub(millis(since_boot).saturating_sub(heard_ms))
     }
 
     /// Action for the next ping.
@@ -84,18 +90,23 @@ impl RunnerPulse {
     }
 }
 
+fn millis(time: Duration) -> u64 {
+    u64::try_from(time.as_millis()).unwrap_or(u64::MAX)
+}
+
 /// Pings a runner while the run has onlookers, and marks the run as silent if the replies stop.
 #[expect(clippy::infinite_loop, reason = "it is given up with the link")]
 pub(super) async fn keep_asking(run: &Run, link: &Link, pulse: &RunnerPulse) -> Infallible {
     loop {
         run.audience().wait_for_onlooker().await;
         for _ in 0..ROUND {
+            // First: times from the pulse are those of the present calendar.
+            run.look_at_calendar();
             match pulse.beat() {
                 PulseAction::Ask => link.ask(),
                 PulseAction::Tell => run.mark_silent(pulse.heard_ms()),
                 PulseAction::Nothing => {}
             }
-            run.look_at_calendar();
             sleep(ASK_EVERY).await;
         }
     }
@@ -138,7 +149,20 @@ impl Drop for Onlooker {
 
 #[cfg(test)]
 mod tests {
-    use super::RunnerPulse;
+    use super::{RunnerPulse, clock};
+    use std::time::Duration;
+
+    #[test]
+    fn the_time_of_the_last_message_follows_a_calendar_that_is_set() {
+        let heard_before = clock::since_boot();
+        let pulse = RunnerPulse::new();
+        let heard_after = clock::since_boot();
+        let minute = Duration::from_mins(1);
+        for today_ms in [1_000_000, 1_000_000 + 3_600_000, 500_000] {
+            assert!(pulse.heard_by(heard_before + minute, today_ms) >= today_ms - 60_000);
+            assert!(pulse.heard_by(heard_after + minute, today_ms) <= today_ms - 60_000);
+        }
+    }
 
     /// Checks the resulting actions: `?` is the time of a ping, `!` a message of the runner.
     fn check(happens: &str, expected: &[&str]) {
