@@ -71,7 +71,8 @@ impl LinkMeter {
             expected_every_ms: millis(expected),
             down_bytes_per_s: self.down.per_s,
             up_bytes_per_s: self.up.per_s,
-            rights: Some(self.rights.into()),
+            // Until the robot is received, it may have another pairing than this station.
+            rights: (!self.is_station || heard_before.is_some()).then(|| self.rights.into()),
             ..LinkHealth::default()
         }
     }
@@ -166,12 +167,17 @@ mod tests {
     }
 
     #[test]
-    fn the_health_of_a_link_names_the_rights_of_its_pairing() {
+    fn the_rights_of_a_pairing_are_unknown_at_its_station_until_the_robot_is_received() {
         let pairing = Pairing::generate("scout", None).expect("a name");
         let pairing = Pairing { rights: PairingRights::Observe, ..pairing };
-        let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, true);
-        let nothing = Traffic::default();
-        let health = meter.health(Duration::ZERO, &nothing, &nothing, None);
-        assert_eq!(health.rights, Some(LinkRights::Observe));
+        let rights = |is_station, heard_before| {
+            let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, is_station);
+            let nothing = Traffic::default();
+            meter.health(Duration::ZERO, &nothing, &nothing, heard_before).rights
+        };
+        let (observe, hour) = (Some(LinkRights::Observe), Some(Duration::from_hours(1)));
+        // The robot enforces its own copy, which it knows.
+        assert_eq!([rights(false, None), rights(false, hour)], [observe; 2]);
+        assert_eq!([rights(true, None), rights(true, hour)], [None, observe]);
     }
 }

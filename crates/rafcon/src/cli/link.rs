@@ -76,7 +76,8 @@ pub(crate) struct Pair {
     pub(crate) rights: PairingRights,
     /// On the robot: make another key and offer it to the station over the link
     ///
-    /// Both sides use the key they have until the station was heard with the new one. `rafcon link` says whether it was.
+    /// Both sides use the old key until the robot receives a signal of the station with the new one. `rafcon link` shows whether the
+    /// offer is pending.
     #[arg(long, requires = "robot")]
     pub(crate) renew: bool,
     /// Read the line that the robot printed
@@ -88,7 +89,7 @@ pub(crate) struct Pair {
 
 /// Show how the links of this computer's robots or station are.
 ///
-/// For each link: when the other side was heard, how long the way takes, what was sent and received, and which events the station
+/// For each link: the age of the last signal of the other side, the round trip, what was sent and received, and which events the station
 /// still lacks. Works while `rafcon serve --station` or `rafcon station` runs.
 #[derive(Debug, Args)]
 pub(crate) struct LinkStatus {
