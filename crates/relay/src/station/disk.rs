@@ -135,17 +135,33 @@ impl Disk {
         Ok(Self { queue })
     }
 
-    /// Gives work for a run, by the stream of its events, or for a parcel; gives it back if too much waits.
-    pub(super) fn give(&self, run: StreamId, work: Work) -> Result<(), Work> {
-        let max = if matches!(work, Work::Events(_)) { EVENTS_MAX } else { ALL_MAX };
-        let cost = work.cost();
-        if cost > 0 && self.queue.bytes.load(Ordering::Acquire) + cost > max {
-            return Err(work);
+    /// Gives events of a run, by their stream; gives them back if too much waits.
+    pub(super) fn give_events(&self, run: StreamId, items: EventItems) -> Result<(), EventItems> {
+        if !self.has_room(&items, EVENTS_MAX) {
+            return Err(items);
         }
-        self.queue.bytes.fetch_add(cost, Ordering::AcqRel);
+        self.give_task(run, Work::Events(items));
+        Ok(())
+    }
+
+    /// Gives a part of the description of a run, by the stream of its events, or of a parcel; gives it back if too much waits.
+    pub(super) fn give_part(&self, run: StreamId, items: EventItems) -> Result<(), EventItems> {
+        if !self.has_room(&items, ALL_MAX) {
+            return Err(items);
+        }
+        self.give_task(run, Work::Part(items));
+        Ok(())
+    }
+
+    fn has_room(&self, items: &EventItems, most: usize) -> bool {
+        self.queue.bytes.load(Ordering::Acquire) + in_order::cost(items) <= most
+    }
+
+    /// Gives a task for a run, by the stream of its events.
+    pub(super) fn give_task(&self, run: StreamId, work: Work) {
+        self.queue.bytes.fetch_add(work.cost(), Ordering::AcqRel);
         self.queue.todo.lock().works.push_back((run, work));
         self.queue.changed.notify_all();
-        Ok(())
     }
 
     /// Stores the state of the link for the next start.
@@ -168,6 +184,14 @@ impl Disk {
         let is_busy = |todo: &mut Todo| !todo.has_ended;
         // Unwritten events are not reported as safe, so that the robot sends them again.
         let _stuck = self.queue.changed.wait_while_for(&mut todo, is_busy, END_WITHIN);
+    }
+}
+
+#[cfg(test)]
+impl Disk {
+    /// A disk that takes work and does nothing.
+    pub(super) fn without_thread() -> Self {
+        Self { queue: Arc::default() }
     }
 }
 

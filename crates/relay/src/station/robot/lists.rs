@@ -1,6 +1,6 @@
 //! The command list of a robot: faults and times of each line, and all of its commands sent at once. Knows no files.
 
-use super::StationRobot;
+use super::commands::{CommandContext, StationCommands};
 use crate::command_list_file::LineReport;
 use crate::command_lists::ListQuestion;
 use crate::ids;
@@ -8,10 +8,9 @@ use crate::station::pending_requests::SendTimes;
 use crate::station::viewers::PendingRequest;
 use crate::words::StationRequest;
 use rafcon_link::{NewCommand, StreamId};
-use rafcon_protocol::api::Right;
 use rafcon_protocol::calendar::utc_text;
 use rafcon_protocol::{
-    Command, CommandStage, ContactPlan, Expiry, GivenTimes, ListFate, ListTimes, ListedCommand,
+    CommandStage, ContactPlan, Expiry, GivenTimes, ListFate, ListTimes, ListedCommand,
 };
 use rafcon_supervisor::clock;
 
@@ -24,18 +23,28 @@ struct PreparedLine {
     times: SendTimes,
 }
 
-impl StationRobot {
+/// The id of a command of a list, with its times.
+struct ListedId {
+    id: String,
+    times: ListTimes,
+}
+
+impl StationCommands {
     /// Answers the questions of the server about the command list.
-    pub(super) fn answer_list_questions(&mut self) {
-        for question in self.lists.take(&self.name) {
-            let reports = self.list_reports(&question);
+    pub(super) fn answer_list_questions(&mut self, context: &mut CommandContext<'_>) {
+        for question in self.lists.take(self.name.as_str()) {
+            let reports = self.list_reports(context, &question);
             question.answer(reports);
         }
     }
 
     /// A report for each line. If the question has an author and no line has a fault, all commands without a fate are sent.
-    fn list_reports(&mut self, question: &ListQuestion) -> Vec<LineReport> {
-        let (plan, now_ms) = (self.contacts().plan, clock::since_1970_ms());
+    fn list_reports(
+        &mut self,
+        context: &mut CommandContext<'_>,
+        question: &ListQuestion,
+    ) -> Vec<LineReport> {
+        let (plan, now_ms) = (context.plan.clone(), clock::since_1970_ms());
         let times = question.list.times(&plan, now_ms);
         let (mut reports, mut prepared) = (Vec::with_capacity(times.len()), Vec::new());
         for (index, (id, times)) in question.list.ids().into_iter().zip(times).enumerate() {
@@ -48,10 +57,12 @@ impl StationRobot {
             } else if is_released && (is_over || question.settled[index]) {
                 report
             } else {
-                let line = times.and_then(|times| self.prepare_line(question, index, (id, times)));
+                let line = times.and_then(|times| {
+                    context.prepare_line(question, index, ListedId { id, times })
+                });
                 match line {
                     Ok(line) => {
-                        let report = self.expected(&line, &plan, now_ms);
+                        let report = context.expected(&line, now_ms);
                         prepared.push(line);
                         report
                     }
@@ -59,24 +70,25 @@ impl StationRobot {
                 }
             });
         }
-        self.send_all(question, prepared, &mut reports);
+        self.send_all(context, question, prepared, &mut reports);
         reports
     }
 
     /// Checks the lines together, and sends them if the question has an author and no line has a fault.
     fn send_all(
         &mut self,
+        context: &mut CommandContext<'_>,
         question: &ListQuestion,
         prepared: Vec<PreparedLine>,
         reports: &mut [LineReport],
     ) {
-        let now = self.clock.now();
+        let now = context.now;
         let commands: Vec<_> = prepared.iter().map(|line| line.command.clone()).collect();
         let is_send = question.author.is_some() && reports.iter().all(|it| it.fault.is_none());
         let checked = if is_send {
-            self.session.command_all(now, commands)
+            context.session.command_all(now, commands)
         } else {
-            Err(self.session.check_all(now, &commands))
+            Err(context.session.check_all(now, &commands))
         };
         match checked {
             Ok(()) => {
@@ -107,16 +119,19 @@ impl StationRobot {
         };
         Some(LineReport { send_at_ms, effect_ms, fate: Some(fate), ..LineReport::default() })
     }
+}
 
+impl CommandContext<'_> {
     fn prepare_line(
         &self,
         question: &ListQuestion,
         index: usize,
-        (id, ListTimes { not_before_ms, expiry_ms }): (String, ListTimes),
+        ListedId { id, times }: ListedId,
     ) -> Result<PreparedLine, String> {
+        let ListTimes { not_before_ms, expiry_ms } = times;
         let ListedCommand { run, command, .. } = &question.list.commands()[index];
         let stream = self.stream_of(run)?;
-        self.check_rights(command, question.rights[index])?;
+        self.rights.check(command, question.rights[index])?;
         let author = question.author.clone().unwrap_or_default();
         let is_lasting = expiry_ms.is_none() && command.lifetime_ms().is_none();
         let word = StationRequest::Command(id.clone(), author, None, command.clone());
@@ -139,23 +154,15 @@ impl StationRobot {
         }
     }
 
-    fn check_rights(&self, command: &Command, right: Right) -> Result<(), String> {
-        self.pairing.rights.check(command, right)
-    }
-
     /// Expected times of a line that is sent now. It has a fault if it expires before it can arrive.
-    fn expected(&self, line: &PreparedLine, plan: &ContactPlan, now_ms: u64) -> LineReport {
+    fn expected(&self, line: &PreparedLine, now_ms: u64) -> LineReport {
         let PreparedLine { given, command, times, .. } = line;
         let delay_ms = times.one_way.map(|one_way_ms| one_way_ms.max(times.transfer));
         let not_before_ms = given.not_before;
         let given_times = GivenTimes { given_ms: now_ms, delay_ms, not_before_ms };
-        let expected = plan.expected(given_times, now_ms);
+        let expected = self.plan.expected(given_times, now_ms);
         let valid_ms = crate::meter::millis(command.valid);
         let expiry_ms = now_ms.saturating_add(valid_ms);
-        let is_heard = self
-            .session
-            .heard_before(self.clock.now())
-            .is_some_and(|before| before < self.profile.silence());
         let late_ms = expected.arrives_ms.filter(|arrives_ms| *arrives_ms >= expiry_ms);
         let fault = late_ms.map(|arrives_ms| {
             format!(
@@ -168,7 +175,9 @@ impl StationRobot {
             times: ListTimes { not_before_ms, expiry_ms: Some(expiry_ms) },
             send_at_ms: expected.send_at_ms,
             // Without contact and without a planned one, the time of the send is unknown.
-            effect_ms: expected.effect_ms.filter(|_| is_heard || expected.send_at_ms.is_some()),
+            effect_ms: expected
+                .effect_ms
+                .filter(|_| self.is_heard || expected.send_at_ms.is_some()),
             fault,
             fate: None,
         }

@@ -1,15 +1,19 @@
-//! The lists that a station has of a robot are bounded.
+//! A robot at its station.
 
 use super::*;
 use crate::command_lists::CommandListStore;
 use crate::contacts::ContactStore;
 use crate::inbox::Inbox;
 use crate::machine_lists::MachineLists;
+use crate::pairing::Pairing;
 use crate::requests::RequestBroker;
+use crate::station::disk::OpenRun;
+use crate::station::received::StationRun;
 use crate::station::viewers::Shared;
 use crate::value_fetch_broker::ValueFetchBroker;
+use rafcon_link::Profile;
 use rafcon_protocol::api::{ListRequest, Right};
-use rafcon_protocol::{Command, ListedCommand, WatchKind};
+use rafcon_protocol::{Command, ListedCommand};
 use rafcon_storage::journal::About;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,79 +42,24 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
     (robot, inbox)
 }
 
-fn stream(number: usize) -> StreamId {
+/// A session that has received nothing.
+pub(super) fn session() -> StationSession {
+    let pairing = Pairing::generate("scout", None).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let start = Start::begin(folder.path()).unwrap();
+    StationSession::new(&start.identity(&pairing), Profile::LAN)
+}
+
+pub(super) fn stream(number: usize) -> StreamId {
     ids::events_of(&format!("run-{number}"))
 }
 
 #[test]
-fn of_many_refused_runs_the_first_are_named_and_the_others_counted() {
+fn a_refused_run_and_its_reason_are_a_problem_of_the_link() {
     let folder = tempfile::tempdir().unwrap();
     let (mut robot, _inbox) = robot(folder.path());
-    let mut refuse = |number: usize| {
-        robot.on_disk_event(FromDisk::Refused(stream(number), format!("run-{number} is bad")));
-        robot.report().problems
-    };
-    let named: Vec<_> = (0..REFUSED_MAX).map(&mut refuse).collect();
-    assert_eq!(named.last().map(Vec::len), Some(REFUSED_MAX));
-    assert_eq!(
-        refuse(REFUSED_MAX).last().unwrap(),
-        "not everything is kept: 1 more runs are refused"
-    );
-    let problems = refuse(REFUSED_MAX + 1);
-    assert_eq!(problems.len(), REFUSED_MAX + 1);
-    assert_eq!(problems.last().unwrap(), "not everything is kept: 2 more runs are refused");
-    assert!(problems.iter().any(|it| it.ends_with("robot scout: run-0 is bad")), "{problems:?}");
-}
-
-#[test]
-fn beyond_so_many_compared_hashes_all_are_forgotten_and_compared_again() {
-    let folder = tempfile::tempdir().unwrap();
-    let (mut robot, _inbox) = robot(folder.path());
-    let chain = EventHash { last: 4, hash: 0 };
-    (0..CHECKED_MAX).for_each(|number| robot.check(stream(number), 1, chain));
-    assert_eq!(robot.checked.len(), CHECKED_MAX);
-    // A known hash is not compared again.
-    robot.check(stream(0), 1, chain);
-    assert_eq!(robot.checked.len(), CHECKED_MAX);
-    robot.check(stream(CHECKED_MAX), 1, chain);
-    assert_eq!(robot.checked.keys().copied().collect::<Vec<_>>(), [stream(CHECKED_MAX)]);
-    robot.check(stream(0), 1, chain);
-    assert_eq!(robot.checked.len(), 2);
-}
-
-#[test]
-fn the_robot_is_asked_for_as_many_runs_as_it_can_watch_and_for_another_once_it_forgets_one() {
-    let folder = tempfile::tempdir().unwrap();
-    let (mut robot, _inbox) = robot(folder.path());
-    let target = WatchTarget {
-        kind: WatchKind::State,
-        path: "R".to_owned(),
-        name: String::new(),
-        priority: 0,
-    };
-    for number in 0..=watch_words::RUNS_MAX {
-        let about = About::default();
-        let shared = Shared::new(folder.path().to_owned(), &about, 0, LinkHealth::default());
-        shared.watch(1, vec![target.clone()]);
-        let open = OpenRun { id: String::new(), safe: 0, shared: Arc::new(shared) };
-        robot.runs.insert(stream(number), StationRun::new(open));
-    }
-    robot.ask();
-    let asked = |robot: &StationRobot| -> Vec<StreamId> {
-        let asked = robot.watching.iter().filter(|(_, asked)| asked.is_any);
-        asked.map(|(stream, _)| *stream).collect()
-    };
-    let first = asked(&robot);
-    assert_eq!(first.len(), watch_words::RUNS_MAX);
-    let last = *robot.runs.keys().find(|run| !first.contains(run)).unwrap();
-    // The run is closed, and the robot does not know it yet.
-    robot.runs.remove(&first[0]);
-    robot.ask();
-    assert_eq!(asked(&robot), first[1..]);
-    robot.watching.get_mut(&first[0]).unwrap().watching.is_confirmed = true;
-    robot.ask();
-    assert!(asked(&robot).contains(&last));
-    assert_eq!(asked(&robot).len(), watch_words::RUNS_MAX);
+    robot.on_disk_event(FromDisk::Refused(stream(0), "run-0 is bad".to_owned()));
+    assert_eq!(robot.report().problems, ["not everything is kept: robot scout: run-0 is bad"]);
 }
 
 #[test]
@@ -125,7 +74,7 @@ fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
         ListedCommand { run, command: Command::Pause, not_before: None, expiry: None }
     };
     let control = ListedCommand { command: Command::Control { holder: None }, ..pause("here") };
-    let lists = robot.lists.clone();
+    let lists = robot.commands.lists.clone();
     let list = std::thread::scope(|scope| {
         let list = vec![pause("here"), pause("gone")];
         let set = std::thread::Builder::new().spawn_scoped(scope, || {
@@ -137,7 +86,7 @@ fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
         });
         let set = set.unwrap();
         while !set.is_finished() {
-            robot.answer_list_questions();
+            robot.with_commands(StationCommands::answer_list_questions);
             std::thread::yield_now();
         }
         set.join().unwrap()
@@ -152,5 +101,6 @@ fn a_list_is_not_sent_before_the_robot_is_heard_and_each_line_says_so() {
     assert!(before.lines.iter().all(|line| line.effect_ms.is_none()));
     let fault = control.lines[0].fault.as_deref();
     assert_eq!(fault, Some("control is requested, handed over and released, not set"));
-    assert!(robot.requests.commands(None, &robot.session, &robot.contacts().plan, 0).is_empty());
+    let plan = robot.link.contacts().plan;
+    assert!(robot.commands.open(None, &robot.session, &plan).is_empty());
 }

@@ -1,0 +1,190 @@
+//! The requests to one robot: those of viewers and of the station's server, their fates and answers.
+
+use super::name::RobotName;
+use super::runs::StationRuns;
+use crate::command_lists::CommandListStore;
+use crate::ids;
+use crate::meter::millis;
+use crate::request_words;
+use crate::requests::RequestBroker;
+use crate::rights::PairingRights;
+use crate::station::lifetime::lifetime;
+use crate::station::pending_requests::{PendingRequests, SendTimes, overdue};
+use crate::station::viewers::PendingRequest;
+use crate::words::StationRequest;
+use rafcon_link::{CommandId, CommandState, NewCommand, StationSession, StreamId};
+use rafcon_protocol::api::{RobotAnswer, RobotRequest};
+use rafcon_protocol::{CommandStage, ContactPlan, OpenCommand};
+use rafcon_supervisor::clock;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The parts of a robot that its commands use.
+pub(super) struct CommandContext<'r> {
+    pub(super) session: &'r mut StationSession,
+    pub(super) runs: &'r StationRuns,
+    /// Present time of the session.
+    pub(super) now: Duration,
+    /// Planned contacts.
+    pub(super) plan: Arc<ContactPlan>,
+    pub(super) rights: PairingRights,
+    /// Regular datagrams of the robot arrive.
+    pub(super) is_heard: bool,
+}
+
+/// Requests to one robot.
+pub(super) struct StationCommands {
+    pub(super) name: RobotName,
+    pub(super) server_requests: RequestBroker,
+    pub(super) lists: CommandListStore,
+    pub(super) requests: PendingRequests,
+}
+
+impl StationCommands {
+    pub(super) fn new(
+        name: RobotName,
+        server_requests: RequestBroker,
+        lists: CommandListStore,
+    ) -> Self {
+        Self { name, server_requests, lists, requests: PendingRequests::default() }
+    }
+
+    /// Sends what a viewer has for the robot. What is on its way already is not sent twice, and what was answered is answered again.
+    pub(super) fn command(
+        &mut self,
+        context: &mut CommandContext<'_>,
+        stream: StreamId,
+        given: &PendingRequest,
+    ) {
+        let id = ids::command(&given.id);
+        if let Some(answer) = self.requests.known_answer(id) {
+            return self.answer(context.runs, stream, &given.id, &answer);
+        }
+        if self.requests.is_open(id) {
+            return;
+        }
+        let prepared = context.prepare(stream, given).and_then(|(command, times)| {
+            let sent = context.session.command(context.now, command);
+            sent.map(|()| times).map_err(|why| why.to_string())
+        });
+        match prepared {
+            Ok(times) => self.requests.add(stream, given, times),
+            Err(reason) => {
+                self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
+            }
+        }
+    }
+
+    /// Does what is due: reports overdue requests, and takes those of the server.
+    pub(super) fn scan(&mut self, context: &mut CommandContext<'_>) {
+        self.note_overdue(context);
+        self.send_server_requests(context);
+        self.answer_list_questions(context);
+        self.note_round_trip(context.session);
+    }
+
+    /// Sends what the server asks for: these runs have no viewers here.
+    fn send_server_requests(&mut self, context: &mut CommandContext<'_>) {
+        for request in self.server_requests.take(self.name.as_str()) {
+            let (stream, id, word) = match request {
+                RobotRequest::Resume(it) => {
+                    let (stream, id) = (ids::events_of(&it.run), it.asked.id.clone());
+                    let (policy, from) = (it.asked.policy, it.asked.from);
+                    (stream, id, StationRequest::Resume(it.asked.id, it.user, it.run, policy, from))
+                }
+                RobotRequest::Start(it) => {
+                    // No run has an empty id.
+                    let (stream, id) = (ids::events_of(""), it.id.clone());
+                    (stream, id, StationRequest::Start(it.id, it.user, it.of))
+                }
+            };
+            self.command(context, stream, &PendingRequest::soon(id, word));
+        }
+    }
+
+    /// Applies the robot's report about a request.
+    pub(super) fn reported(
+        &mut self,
+        runs: &StationRuns,
+        id: CommandId,
+        state: CommandState,
+        reason: String,
+    ) {
+        let answer = match state {
+            CommandState::Received => return self.requests.set_stage(id, CommandStage::Received),
+            CommandState::Started => return self.requests.set_stage(id, CommandStage::Started),
+            CommandState::Done => RobotAnswer::Done { run: reason },
+            CommandState::Refused => RobotAnswer::Refused { reason },
+            CommandState::Expired => RobotAnswer::Expired,
+        };
+        if let Some((stream, name)) = self.requests.close(id, &answer) {
+            self.answer(runs, stream, &name, &answer);
+        }
+    }
+
+    /// Reports the fates of requests whose time is over as unknown.
+    fn note_overdue(&mut self, context: &mut CommandContext<'_>) {
+        for id in context.session.take_overdue(context.now) {
+            if self.requests.is_beginning_run(id) {
+                continue;
+            }
+            self.requests.set_stage(id, CommandStage::Overdue);
+            if let Some((stream, name)) = self.requests.find(id) {
+                self.answer(context.runs, stream, name, &overdue());
+            }
+        }
+    }
+
+    /// Takes the measured round trip for the expected times of requests.
+    fn note_round_trip(&mut self, session: &StationSession) {
+        if let Some(round_trip) = session.round_trip() {
+            self.requests.set_one_way(millis(round_trip) / 2);
+        }
+    }
+
+    /// Open commands of this run, or of all, with their expected times.
+    pub(super) fn open(
+        &self,
+        stream: Option<StreamId>,
+        session: &StationSession,
+        plan: &ContactPlan,
+    ) -> Vec<OpenCommand> {
+        self.requests.commands(stream, session, plan, clock::since_1970_ms())
+    }
+
+    fn answer(&self, runs: &StationRuns, stream: StreamId, name: &str, answer: &RobotAnswer) {
+        runs.answer(stream, name, answer);
+        self.server_requests.answer(self.name.as_str(), name, answer);
+    }
+}
+
+impl CommandContext<'_> {
+    /// A request as the session sends it, with its times. The error is the reason for a refusal.
+    pub(super) fn prepare(
+        &self,
+        stream: StreamId,
+        given: &PendingRequest,
+    ) -> Result<(NewCommand, SendTimes), String> {
+        let today = clock::since_1970_ms();
+        let known = self.runs.get(stream).map_or(0, |run| run.epoch);
+        let wait = given.not_before.map(|ms| Duration::from_millis(ms.saturating_sub(today)));
+        let body = request_words::write(stream, &given.word);
+        let transfer = self.session.transfer_time(body.len());
+        let usual = default_lifetime(self.session, self.now, body.len());
+        let valid = lifetime(given, &self.plan, today, usual)?;
+        let times = SendTimes {
+            sent: today,
+            transfer: millis(transfer),
+            one_way: self.session.round_trip().map(|round_trip| millis(round_trip) / 2),
+            expiry: (!given.is_lasting).then(|| today + millis(valid)),
+        };
+        let (id, epoch) = (ids::command(&given.id), given.epoch.unwrap_or(known));
+        Ok((NewCommand { id, valid, wait, epoch, body }, times))
+    }
+}
+
+/// Default lifetime of a request of `length` bytes.
+pub(crate) fn default_lifetime(session: &StationSession, now: Duration, length: usize) -> Duration {
+    // Twice: parts are lost and sent again.
+    session.command_lifetime(now) + session.transfer_time(length) * 2
+}
