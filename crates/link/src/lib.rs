@@ -47,7 +47,7 @@ pub use seal::{
     Salt, SealError, Sealer, SenderStart,
 };
 pub use station::{
-    CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, StationSession,
-    StreamProgress,
+    CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, RobotTimes,
+    StationSession, StreamProgress, TimedCommand,
 };
 pub use traffic::Traffic;

@@ -37,6 +37,14 @@ pub struct NewCommand {
     pub body: Vec<u8>,
 }
 
+impl NewCommand {
+    /// The command with its times on the robot's clock.
+    pub fn at(self, times: RobotTimes) -> TimedCommand {
+        let Self { id, epoch, body, .. } = self;
+        TimedCommand { id, times, epoch, body, is_restored: false }
+    }
+}
+
 /// Progress of a command that is sent in parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CommandProgress {
@@ -94,12 +102,30 @@ pub enum NotSent {
     },
 }
 
-/// Between which times of the clock of this start of the robot a command may be carried out, in ms.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RobotTimes {
-    start: Generation,
-    not_before: u64,
-    not_after: u64,
+/// Between which times of the clock of one start of the robot a command may be carried out, in ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RobotTimes {
+    /// Start of the robot. A later start does not carry out the command.
+    pub start: Generation,
+    /// Earliest time; 0 without one.
+    pub not_before: u64,
+    /// Expiry.
+    pub not_after: u64,
+}
+
+/// A command with its times on the robot's clock. They stay valid over a restart of the station.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TimedCommand {
+    /// Its id.
+    pub id: CommandId,
+    /// Its times.
+    pub times: RobotTimes,
+    /// The epoch of authority under which it is given.
+    pub epoch: u64,
+    /// The command.
+    pub body: Vec<u8>,
+    /// An earlier start of the station may have sent it.
+    pub is_restored: bool,
 }
 
 impl RobotTimes {
@@ -146,6 +172,8 @@ struct SentCommand {
     due: Duration,
     /// The robot has it; its fate is not known yet.
     is_received: bool,
+    /// An earlier start of this side may have sent it.
+    is_restored: bool,
     /// Its time is over and its fate is unknown: the robot is asked for it.
     is_overdue: bool,
 }
@@ -153,6 +181,12 @@ struct SentCommand {
 impl Commands {
     pub(super) fn has(&self, id: CommandId) -> bool {
         self.sent.contains_key(&id)
+    }
+
+    pub(super) fn sent(&self, id: CommandId) -> Option<TimedCommand> {
+        let SentCommand { epoch, body, times, is_restored, .. } = self.sent.get(&id)?;
+        let (times, epoch, is_restored) = (*times, *epoch, *is_restored);
+        Some(TimedCommand { id, times, epoch, body: body.clone(), is_restored })
     }
 
     /// Number of commands that the robot may keep for later.
@@ -183,13 +217,8 @@ impl Commands {
 
     /// Adds a command for which room was made; one with more than `whole_max` bytes is sent in parts. One that is on its way already
     /// stays as it is.
-    pub(super) fn add(
-        &mut self,
-        now: Duration,
-        NewCommand { id, epoch, body, .. }: NewCommand,
-        times: RobotTimes,
-        whole_max: usize,
-    ) {
+    pub(super) fn add(&mut self, now: Duration, command: TimedCommand, whole_max: usize) {
+        let TimedCommand { id, times, epoch, body, is_restored } = command;
         let parts = (body.len() > whole_max).then(CommandParts::default);
         self.sent.entry(id).or_insert(SentCommand {
             epoch,
@@ -200,6 +229,7 @@ impl Commands {
             first_sent: None,
             due: now,
             is_received: false,
+            is_restored,
             is_overdue: false,
         });
     }
@@ -295,7 +325,9 @@ impl Commands {
     ) -> Vec<CommandId> {
         let is_unheard = |_: &CommandId, sent: &mut SentCommand| {
             let RobotTimes { start: of, not_after, .. } = sent.times;
-            of == start && at_ms > not_after && sent.first_sent.is_some_and(|first| heard < first)
+            // The robot may have received a restored command from an earlier start of this side.
+            let is_unheard = sent.first_sent.is_some_and(|first| heard < first);
+            of == start && at_ms > not_after && is_unheard && !sent.is_restored
         };
         self.sent.extract_if(.., is_unheard).map(|(id, _)| id).collect()
     }

@@ -5,10 +5,11 @@
 mod command_parts;
 mod commands;
 mod large;
+mod restored;
 mod streams;
 mod value_requests;
 
-pub use commands::{CommandProgress, NewCommand, NotSent};
+pub use commands::{CommandProgress, NewCommand, NotSent, RobotTimes, TimedCommand};
 pub(crate) use large::LARGE_MAX;
 #[cfg(test)]
 pub(crate) use streams::OPEN_MAX;
@@ -30,7 +31,7 @@ use crate::range_set::RangeSet;
 use crate::robot::{SCHEDULED_MAX, now_ms};
 use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
 use crate::traffic::Traffic;
-use commands::{Commands, RobotTimes};
+use commands::Commands;
 use large::LargeEvents;
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -641,11 +642,7 @@ impl StationSession {
     /// Sends a command until its fate is known or its time is over.
     pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
         let times = self.times_of(now, &command, self.commands.missing_bytes())?;
-        if !self.commands.has(command.id) {
-            self.commands.make_room(1)?;
-        }
-        self.commands.add(now, command, times, self.command_bytes_max());
-        Ok(())
+        self.command_at(now, command.at(times))
     }
 
     /// Sends all of these commands, or none of them: then the result has a place for each, with the reason if it cannot be sent.
@@ -662,7 +659,7 @@ impl StationSession {
         }
         let whole_max = self.command_bytes_max();
         for (command, times) in commands.into_iter().zip(times.into_iter().flatten()) {
-            self.commands.add(now, command, times, whole_max);
+            self.commands.add(now, command.at(times), whole_max);
         }
         Ok(())
     }

@@ -2,12 +2,12 @@
 
 use super::commands::COMMANDS_MAX;
 use super::{FromRobot, NewCommand, NotSent, StationSession};
-use crate::endpoint::Identity;
+use crate::endpoint::{Identity, Unusable};
 use crate::frame::{COMMAND_LENGTH_MAX, CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{EventBuffer, RobotSession, RunSource, SCHEDULED_MAX};
-use crate::seal::{KeyId, PairingKey, SenderStart};
+use crate::seal::{KeyId, PairingKey, Rejected, SenderStart};
 use std::time::Duration;
 
 /// A robot without runs.
@@ -23,28 +23,18 @@ impl RunSource for NoRuns {
     }
 }
 
-struct Pair {
+pub(super) struct Pair {
     offered: Option<KeyId>,
-    now: Duration,
-    robot: RobotSession,
-    station: StationSession,
-    carried_out: Vec<CommandId>,
-    told: Vec<CommandState>,
+    pub(super) now: Duration,
+    pub(super) robot: RobotSession,
+    pub(super) station: StationSession,
+    pub(super) carried_out: Vec<CommandId>,
+    pub(super) told: Vec<CommandState>,
 }
 
 impl Pair {
-    fn new() -> Self {
-        let key = PairingKey::from_bytes([7; 32]);
-        let identity = Identity {
-            key_id: KeyId(1),
-            key: &key,
-            robot: "scout",
-            start: SenderStart::new(1, 0),
-            heard: None,
-        };
-        let mut robot = RobotSession::new(&identity, Profile::LAN);
-        robot.begin(StreamId(1), 0);
-        let station = StationSession::new(&identity, Profile::LAN);
+    pub(super) fn new() -> Self {
+        let (robot, station) = (robot(1), station(1));
         Self {
             offered: None,
             now: Duration::ZERO,
@@ -55,8 +45,29 @@ impl Pair {
         }
     }
 
+    pub(super) fn restart_robot(&mut self) {
+        self.robot = robot(2);
+    }
+
+    pub(super) fn restart_station(&mut self) {
+        self.station = station(2);
+    }
+
+    /// Carries only the datagrams of the robot for this time.
+    pub(super) fn go_one_way(&mut self, ms: u64) {
+        for _ in 0..ms {
+            self.now += Duration::from_millis(1);
+            while let Some(mut datagram) = self.robot.transmit(self.now, &mut NoRuns).expect("room")
+            {
+                let show = |shown: FromRobot<'_>| self.told.extend(state(&shown));
+                check_received(self.station.receive(self.now, &mut datagram, show));
+            }
+            while self.station.transmit(self.now).expect("room").is_some() {}
+        }
+    }
+
     /// Carries datagrams for this time, those from the robot only if `is_heard`.
-    fn go_on(&mut self, ms: u64, is_heard: bool) {
+    pub(super) fn go_on(&mut self, ms: u64, is_heard: bool) {
         for _ in 0..ms {
             self.now += Duration::from_millis(1);
             while let Some(mut datagram) = self.robot.transmit(self.now, &mut NoRuns).expect("room")
@@ -69,18 +80,42 @@ impl Pair {
                     FromRobot::NewKey { id, .. } => *offered = Some(id),
                     shown => told.extend(state(&shown)),
                 };
-                self.station.receive(self.now, &mut datagram, show).expect("a datagram");
+                check_received(self.station.receive(self.now, &mut datagram, show));
             }
             while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
                 let carry_out = |command: crate::ReceivedCommand| {
                     self.carried_out.extend((!command.is_late).then_some(command.id));
                 };
-                self.robot.receive(self.now, &mut datagram, carry_out).expect("a datagram");
+                check_received(self.robot.receive(self.now, &mut datagram, carry_out));
             }
             let (now, all) = (self.now, &mut self.carried_out);
             self.robot.take_due(now, |command| all.push(command.id));
         }
     }
+}
+
+/// A start of one side cannot open short headers before a full one.
+fn check_received(received: Result<(), Unusable>) {
+    let is_usable = matches!(received, Ok(()) | Err(Unusable::Rejected(Rejected::UnknownStart)));
+    assert!(is_usable, "{received:?}");
+}
+
+/// A start of one side. Sessions count from the begin of the test.
+fn robot(start: u32) -> RobotSession {
+    let key = PairingKey::from_bytes([7; 32]);
+    let mut robot = RobotSession::new(&identity(&key, start), Profile::LAN);
+    robot.begin(StreamId(1), 0);
+    robot
+}
+
+fn station(start: u32) -> StationSession {
+    let key = PairingKey::from_bytes([7; 32]);
+    StationSession::new(&identity(&key, start), Profile::LAN)
+}
+
+fn identity(key: &PairingKey, start: u32) -> Identity<'_> {
+    let start = SenderStart::new(start, 0);
+    Identity { key_id: KeyId(1), key, robot: "scout", start, heard: None }
 }
 
 fn state(shown: &FromRobot<'_>) -> Option<CommandState> {
