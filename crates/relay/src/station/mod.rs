@@ -2,6 +2,7 @@
 
 mod asked;
 mod checking;
+mod command_disk;
 mod completed_runs;
 mod disk;
 mod health;
@@ -13,6 +14,7 @@ mod pending_requests;
 mod received;
 mod replica_run;
 mod robot;
+mod stored_command;
 mod value_disk;
 mod values;
 mod viewers;
@@ -32,6 +34,7 @@ use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
 use crate::requests::RequestBroker;
 use crate::value_fetch_broker::ValueFetchBroker;
+use command_disk::FromCommandDisk;
 use disk::FromDisk;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
@@ -111,6 +114,8 @@ pub(crate) enum ToStation {
     Given(GivenCommand),
     /// Message of the disk, about the robot of this number.
     Disk(usize, FromDisk),
+    /// Message of the disk, about requests to the robot of this number.
+    Commands(usize, FromCommandDisk),
     /// Message of the disk, about large values of the robot of this number.
     Values(usize, FromValueDisk),
 }
@@ -253,6 +258,11 @@ pub fn relay_station(
             Some(Input::Other(ToStation::Disk(robot, event))) => {
                 if let Some(robot) = robots.get_mut(robot) {
                     robot.on_disk_event(event);
+                }
+            }
+            Some(Input::Other(ToStation::Commands(robot, event))) => {
+                if let Some(robot) = robots.get_mut(robot) {
+                    robot.on_command_disk_event(event);
                 }
             }
             Some(Input::Other(ToStation::Values(robot, event))) => {

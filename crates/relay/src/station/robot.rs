@@ -7,12 +7,15 @@ mod lists;
 mod name;
 mod refused;
 mod runs;
+mod storage;
 mod watches;
 
+use super::command_disk::{CommandDisk, FromCommandDisk};
 use super::disk::{Disk, FromDisk};
 use super::kept_runs::{KeptRuns, Place};
 use super::parcels::StationParcels;
 use super::received::Received;
+use super::stored_command::{StoredCommand, StoredCommands};
 use super::value_disk::FromValueDisk;
 use super::values::StationValues;
 use super::viewers::PendingRequest;
@@ -38,6 +41,7 @@ use runs::StationRuns;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
+use storage::CommandStorage;
 use watches::RunWatches;
 
 /// Reported while runs wait for others.
@@ -74,9 +78,15 @@ impl StationRobot {
         let machines = folder.join(MACHINES_FOLDER);
         let parcels = StationParcels::open(&machines)
             .map_err(|source| RelayError::Folder { path: machines, source })?;
-        let paired_here = paired.clone();
-        let machines = settings.machines.clone();
-        let place = Place { number, robot, runs, clock, inbox, paired: paired_here, machines };
+        let place = Place {
+            number,
+            robot,
+            runs,
+            clock,
+            inbox: inbox.clone(),
+            paired: paired.clone(),
+            machines: settings.machines.clone(),
+        };
         let mut kept = KeptRuns::new(place, start, parcels);
         let (restored, parcels, whole) = (kept.restore(), kept.restored_parcels(), kept.whole());
         let disk = Disk::begin(kept).map_err(|source| RelayError::Thread { source })?;
@@ -104,7 +114,15 @@ impl StationRobot {
         runs.restore(&mut session, restored);
         runs.restore_parcels(&mut session, parcels);
         let (server_requests, lists) = (settings.server_requests.clone(), settings.lists.clone());
-        let commands = StationCommands::new(name.clone(), server_requests, lists);
+        let stored_in = folder.join("commands");
+        let StoredCommands { commands: stored, problems } = StoredCommands::read(&stored_in);
+        problems.iter().for_each(|problem| name.tell(problem));
+        let command_disk = CommandDisk::begin(stored_in, number, inbox)
+            .map_err(|source| RelayError::Thread { source })?;
+        let ids = stored.iter().map(StoredCommand::id);
+        let storage = CommandStorage::new(command_disk, ids, problems);
+        let mut commands = StationCommands::new(name, server_requests, lists, storage);
+        commands.restore(&mut session, stored);
         let watches = RunWatches::new();
         Ok(Self { clock, session, link, disk, keys, runs, watches, values, commands })
     }
@@ -120,6 +138,11 @@ impl StationRobot {
     /// Applies an event of the disk's thread for large values.
     pub(super) fn on_value_disk_event(&mut self, event: FromValueDisk) {
         self.values.on_disk_event(event, &mut self.session);
+    }
+
+    /// Applies an event of the disk's thread for requests.
+    pub(super) fn on_command_disk_event(&mut self, event: FromCommandDisk) {
+        self.with_commands(|commands, context| commands.on_disk_event(context, event));
     }
 
     /// Sends due datagrams. Returns the time of the next one.
@@ -210,7 +233,8 @@ impl StationRobot {
         let health = LinkHealth { commands, ..self.link.health(&self.session) };
         let report = self.link.report(health, &self.session, self.runs.report(&self.session));
         let crowded = self.session.is_crowded(self.clock.now()).then(|| CROWDED.to_owned());
-        let problems = self.runs.problems().chain(crowded).chain(report.problems).collect();
+        let problems = self.runs.problems().chain(self.commands.storage.problems());
+        let problems = problems.chain(crowded).chain(report.problems).collect();
         LinkReport { problems, ..report }
     }
 
@@ -222,6 +246,7 @@ impl StationRobot {
     /// Writes what waits for the disk, as far as it takes it.
     pub(super) fn end(&mut self) {
         self.save();
+        self.commands.storage.end();
         self.disk.end();
     }
 }

@@ -33,7 +33,7 @@ const FRAMES_MAX: usize = 256;
 const LINE_MAX: u64 = 1 << 20;
 
 /// Command of a viewer for the robot, with its id and its expiry by this computer's clock.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct PendingRequest {
     pub(super) id: String,
     /// None: it is valid as long as is usual over this link.

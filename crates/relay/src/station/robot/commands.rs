@@ -2,14 +2,17 @@
 
 use super::name::RobotName;
 use super::runs::StationRuns;
+use super::storage::{CommandStorage, PreparedRequest, StoreResult};
 use crate::command_lists::CommandListStore;
 use crate::ids;
 use crate::meter::millis;
 use crate::request_words;
 use crate::requests::RequestBroker;
 use crate::rights::PairingRights;
+use crate::station::command_disk::FromCommandDisk;
 use crate::station::lifetime::lifetime;
 use crate::station::pending_requests::{PendingRequests, SendTimes, overdue};
+use crate::station::stored_command::{AboutCommand, StoredCommand};
 use crate::station::viewers::PendingRequest;
 use crate::words::StationRequest;
 use rafcon_link::{CommandId, CommandState, NewCommand, StationSession, StreamId};
@@ -18,6 +21,10 @@ use rafcon_protocol::{CommandStage, ContactPlan, OpenCommand};
 use rafcon_supervisor::clock;
 use std::sync::Arc;
 use std::time::Duration;
+
+/// Reason of a refusal if the disk was too slow.
+const TOO_LATE: &str = "nothing was sent, because the command expired before the station's disk had stored it: let it expire later; a stop and a \
+                        pause wait for no disk";
 
 /// The parts of a robot that its commands use.
 pub(super) struct CommandContext<'r> {
@@ -38,6 +45,7 @@ pub(super) struct StationCommands {
     pub(super) server_requests: RequestBroker,
     pub(super) lists: CommandListStore,
     pub(super) requests: PendingRequests,
+    pub(super) storage: CommandStorage,
 }
 
 impl StationCommands {
@@ -45,8 +53,37 @@ impl StationCommands {
         name: RobotName,
         server_requests: RequestBroker,
         lists: CommandListStore,
+        storage: CommandStorage,
     ) -> Self {
-        Self { name, server_requests, lists, requests: PendingRequests::default() }
+        Self { name, server_requests, lists, requests: PendingRequests::default(), storage }
+    }
+
+    /// Sends the requests of earlier starts again, with their times. Their fates are unknown until the robot reports them.
+    pub(super) fn restore(&mut self, session: &mut StationSession, stored: Vec<StoredCommand>) {
+        let now_ms = clock::since_1970_ms();
+        for command in stored {
+            let id = command.id();
+            let (stream, word) = match request_words::read(id, &command.body) {
+                Ok(read) => read,
+                Err(why) => {
+                    let name = &command.about.id;
+                    self.storage.note_lost(format!("command {name} is not sent again: {why}"));
+                    continue;
+                }
+            };
+            if session.command_at(Duration::ZERO, command.restored()).is_err() {
+                continue;
+            }
+            let AboutCommand { id: name, sent_ms, expires_ms, not_before_ms, .. } = command.about;
+            let soon = PendingRequest::soon(name, word);
+            let given = PendingRequest { not_before: not_before_ms, ..soon };
+            let (transfer, one_way) = (command.about.transfer_ms, None);
+            let times = SendTimes { sent: sent_ms, transfer, one_way, expiry: expires_ms };
+            self.requests.add(stream, &given, times);
+            if expires_ms.is_some_and(|expires_ms| expires_ms <= now_ms) {
+                self.requests.set_stage(id, CommandStage::Overdue);
+            }
+        }
     }
 
     /// Sends what a viewer has for the robot. What is on its way already is not sent twice, and what was answered is answered again.
@@ -60,19 +97,64 @@ impl StationCommands {
         if let Some(answer) = self.requests.known_answer(id) {
             return self.answer(context.runs, stream, &given.id, &answer);
         }
-        if self.requests.is_open(id) {
+        if self.requests.is_open(id) || self.storage.is_storing(id) {
             return;
         }
+        let others = self.storage.storing_count();
         let prepared = context.prepare(stream, given).and_then(|(command, times)| {
-            let sent = context.session.command(context.now, command);
-            sent.map(|()| times).map_err(|why| why.to_string())
+            let robot_times = context.session.times_for(context.now, &command, others);
+            let command = command.at(robot_times.map_err(|why| why.to_string())?);
+            let (run, given) = (context.run_of(stream), given.clone());
+            Ok(PreparedRequest { stream, run, given, command, times })
         });
         match prepared {
-            Ok(times) => self.requests.add(stream, given, times),
+            Ok(request) => {
+                if let Some(request) = self.storage.store(request) {
+                    self.accept(context, request);
+                }
+            }
             Err(reason) => {
                 self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
             }
         }
+    }
+
+    /// Sends a request until its fate is known.
+    fn accept(&mut self, context: &mut CommandContext<'_>, request: PreparedRequest) {
+        let PreparedRequest { stream, given, command, times, .. } = request;
+        match context.session.command_at(context.now, command) {
+            Ok(()) => self.requests.add(stream, &given, times),
+            Err(why) => {
+                let reason = why.to_string();
+                self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
+            }
+        }
+    }
+
+    /// Accepts or refuses a request once the disk has taken or refused it.
+    pub(super) fn on_disk_event(
+        &mut self,
+        context: &mut CommandContext<'_>,
+        event: FromCommandDisk,
+    ) {
+        match self.storage.on_disk_event(event) {
+            StoreResult::Accepted(request) => self.accept(context, *request),
+            StoreResult::Refused(request, reason) => {
+                let PreparedRequest { stream, given, .. } = *request;
+                self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
+            }
+            StoreResult::Nothing => {}
+        }
+    }
+
+    /// Refuses the requests for which the disk was too slow, and removes those that are over from it.
+    fn scan_storage(&mut self, context: &mut CommandContext<'_>) {
+        for PreparedRequest { stream, given, .. } in self.storage.take_late(clock::since_1970_ms())
+        {
+            let reason = TOO_LATE.to_owned();
+            self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
+        }
+        self.storage.retain(|id| context.session.is_open(id));
     }
 
     /// Does what is due: reports overdue requests, and takes those of the server.
@@ -81,6 +163,7 @@ impl StationCommands {
         self.send_server_requests(context);
         self.answer_list_questions(context);
         self.note_round_trip(context.session);
+        self.scan_storage(context);
     }
 
     /// Sends what the server asks for: these runs have no viewers here.
@@ -159,6 +242,11 @@ impl StationCommands {
 }
 
 impl CommandContext<'_> {
+    /// Id of the open run with these events; empty without one.
+    fn run_of(&self, stream: StreamId) -> String {
+        self.runs.get(stream).map(|run| run.id.clone()).unwrap_or_default()
+    }
+
     /// A request as the session sends it, with its times. The error is the reason for a refusal.
     pub(super) fn prepare(
         &self,

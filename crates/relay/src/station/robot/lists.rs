@@ -1,6 +1,7 @@
 //! The command list of a robot: faults and times of each line, and all of its commands sent at once. Knows no files.
 
 use super::commands::{CommandContext, StationCommands};
+use super::storage::PreparedRequest;
 use crate::command_list_file::LineReport;
 use crate::command_lists::ListQuestion;
 use crate::ids;
@@ -94,6 +95,12 @@ impl StationCommands {
             Ok(()) => {
                 for PreparedLine { index, stream, given, times, .. } in prepared {
                     self.requests.add(stream, &given, times);
+                    // The mark of the release is durable, so the line waits for no disk.
+                    if let Some(command) = context.session.sent(ids::command(&given.id)) {
+                        let run = question.list.commands()[index].run.clone();
+                        let request = PreparedRequest { stream, run, given, command, times };
+                        self.storage.store_beside(&request);
+                    }
                     reports[index].fate = Some(ListFate::Open { stage: CommandStage::Sent });
                 }
             }

@@ -1,5 +1,7 @@
 //! A robot at its station.
 
+mod stored_commands;
+
 use super::*;
 use crate::command_lists::CommandListStore;
 use crate::contacts::ContactStore;
@@ -12,16 +14,25 @@ use crate::station::received::StationRun;
 use crate::station::viewers::Shared;
 use crate::value_fetch_broker::ValueFetchBroker;
 use rafcon_link::Profile;
+use rafcon_protocol::api::RobotAnswer;
 use rafcon_protocol::api::{ListRequest, Right};
-use rafcon_protocol::{Command, ListedCommand};
+use rafcon_protocol::{Command, ContactPlan, ListedCommand};
 use rafcon_storage::journal::About;
 use std::path::Path;
 use std::sync::Arc;
 
 fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
     let pairing = Pairing::generate("scout", None).unwrap();
+    robot_of(folder, &pairing, SessionClock::begin())
+}
+
+fn robot_of(
+    folder: &Path,
+    pairing: &Pairing,
+    clock: SessionClock,
+) -> (StationRobot, Inbox<ToStation>) {
     let (file, next) = (folder.join("pairing"), folder.join("next"));
-    let paired = Paired { pairing, file, next };
+    let paired = Paired { pairing: pairing.clone(), file, next };
     let settings = StationSettings {
         folder: folder.join("ground"),
         runs: folder.join("runs"),
@@ -37,7 +48,6 @@ fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
         tell: |_| {},
     };
     let inbox = Inbox::new();
-    let clock = SessionClock::begin();
     let robot = StationRobot::begin(&settings, 0, &paired, inbox.sender(), clock).unwrap();
     (robot, inbox)
 }

@@ -1,0 +1,209 @@
+//! The requests to one robot on the station's disk: each is durable before it is accepted, and removed once its fate is known.
+//!
+//! A stop and a pause are accepted at once and stored beside. Knows no session.
+
+use crate::station::command_disk::{CommandDisk, FromCommandDisk};
+use crate::station::pending_requests::SendTimes;
+use crate::station::stored_command::{AboutCommand, StoredCommand};
+use crate::station::viewers::PendingRequest;
+use crate::words::StationRequest;
+use rafcon_link::{CommandId, StreamId, TimedCommand};
+use rafcon_protocol::Command;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A request that the session can send.
+#[derive(Debug, Clone)]
+pub(super) struct PreparedRequest {
+    pub(super) stream: StreamId,
+    /// Id of the run, if the station shows it.
+    pub(super) run: String,
+    pub(super) given: PendingRequest,
+    pub(super) command: TimedCommand,
+    pub(super) times: SendTimes,
+}
+
+/// Result of a task of the disk.
+pub(super) enum StoreResult {
+    /// The request is accepted.
+    Accepted(Box<PreparedRequest>),
+    /// The request is refused, with the reason.
+    Refused(Box<PreparedRequest>, String),
+    /// Nothing changes for the request.
+    Nothing,
+}
+
+/// Requests that are being stored, and those that are stored.
+pub(super) struct CommandStorage {
+    disk: CommandDisk,
+    /// Requests that wait for the disk before they are accepted.
+    storing: BTreeMap<CommandId, PreparedRequest>,
+    /// Accepted requests that the disk was given.
+    stored: BTreeSet<CommandId>,
+    /// Accepted requests that are not durable, with their problems.
+    unstored: BTreeMap<CommandId, Unstored>,
+    /// Requests of earlier starts that were lost.
+    lost: Vec<String>,
+}
+
+/// An accepted request that the disk does not take.
+struct Unstored {
+    about: String,
+    why: String,
+}
+
+impl CommandStorage {
+    /// The requests with these ids are on the disk; `lost` are the problems of others.
+    pub(super) fn new(
+        disk: CommandDisk,
+        stored: impl IntoIterator<Item = CommandId>,
+        lost: Vec<String>,
+    ) -> Self {
+        let (storing, unstored) = (BTreeMap::new(), BTreeMap::new());
+        Self { disk, storing, stored: stored.into_iter().collect(), unstored, lost }
+    }
+
+    /// Reports a request of an earlier start that is lost.
+    pub(super) fn note_lost(&mut self, problem: String) {
+        self.lost.push(problem);
+    }
+
+    /// True while a request waits for the disk.
+    pub(super) fn is_storing(&self, id: CommandId) -> bool {
+        self.storing.contains_key(&id)
+    }
+
+    /// Number of requests that wait for the disk.
+    pub(super) fn storing_count(&self) -> usize {
+        self.storing.len()
+    }
+
+    /// Stores a request. Returns it if it is accepted at once.
+    pub(super) fn store(&mut self, request: PreparedRequest) -> Option<PreparedRequest> {
+        match durability(&request.given.word) {
+            Durability::First => {
+                self.disk.keep(stored(&request));
+                self.storing.insert(request.command.id, request);
+                return None;
+            }
+            Durability::Beside => self.store_beside(&request),
+            Durability::Never => {}
+        }
+        Some(request)
+    }
+
+    /// Stores a request that is accepted already.
+    pub(super) fn store_beside(&mut self, request: &PreparedRequest) {
+        self.disk.keep(stored(request));
+        self.stored.insert(request.command.id);
+        let about = format!("{} ({})", request.given.word.asks(), request.given.id);
+        // Reported only if the disk fails.
+        self.unstored.insert(request.command.id, Unstored { about, why: String::new() });
+    }
+
+    /// Applies an event of the disk.
+    pub(super) fn on_disk_event(&mut self, event: FromCommandDisk) -> StoreResult {
+        match event {
+            FromCommandDisk::Kept(id) => {
+                self.unstored.remove(&id);
+                let Some(request) = self.storing.remove(&id) else { return StoreResult::Nothing };
+                self.stored.insert(id);
+                StoreResult::Accepted(Box::new(request))
+            }
+            FromCommandDisk::NotKept(id, why) => {
+                if let Some(unstored) = self.unstored.get_mut(&id) {
+                    unstored.why = why;
+                    return StoreResult::Nothing;
+                }
+                let Some(request) = self.storing.remove(&id) else { return StoreResult::Nothing };
+                self.disk.remove(id);
+                let why = format!(
+                    "nothing was sent, because the station's disk does not store the command ({why}): make room on it; a stop and a pause \
+                     pass all the same"
+                );
+                StoreResult::Refused(Box::new(request), why)
+            }
+        }
+    }
+
+    /// Requests whose time was over before the disk had them.
+    pub(super) fn take_late(&mut self, now_ms: u64) -> Vec<PreparedRequest> {
+        let is_late = |_: &CommandId, request: &mut PreparedRequest| {
+            request.times.expiry.is_some_and(|expiry_ms| expiry_ms <= now_ms)
+        };
+        let late: Vec<_> = self.storing.extract_if(.., is_late).collect();
+        late.iter().for_each(|(id, _)| self.disk.remove(*id));
+        late.into_iter().map(|(_, request)| request).collect()
+    }
+
+    /// Removes the requests that are not open any more.
+    pub(super) fn retain(&mut self, is_open: impl Fn(CommandId) -> bool) {
+        let over: Vec<_> = self.stored.extract_if(.., |id| !is_open(*id)).collect();
+        for id in over {
+            self.unstored.remove(&id);
+            self.disk.remove(id);
+        }
+    }
+
+    /// Requests that a restart of the station would lose, and those that it has lost.
+    pub(super) fn problems(&self) -> impl Iterator<Item = String> {
+        let unstored = self.unstored.values().filter(|unstored| !unstored.why.is_empty());
+        let unstored = unstored.map(|Unstored { about, why }| {
+            format!("{about} is sent, and a restart of the station would drop it: {why}")
+        });
+        unstored.chain(self.lost.iter().cloned())
+    }
+
+    /// Does what waits for the disk, as far as it takes it.
+    pub(super) fn end(&self) {
+        self.disk.end();
+    }
+}
+
+/// When a request has to be durable.
+enum Durability {
+    /// Before it is accepted.
+    First,
+    /// It waits for no disk.
+    Beside,
+    /// It is repeated by its sender.
+    Never,
+}
+
+fn durability(word: &StationRequest) -> Durability {
+    match word {
+        StationRequest::Command(_, _, _, Command::Stop | Command::Pause) => Durability::Beside,
+        StationRequest::Present(_) => Durability::Never,
+        StationRequest::Command(..)
+        | StationRequest::MoveControl(..)
+        | StationRequest::Resume(..)
+        | StationRequest::Start(..) => Durability::First,
+    }
+}
+
+fn stored(PreparedRequest { run, given, command, times, .. }: &PreparedRequest) -> StoredCommand {
+    let about = AboutCommand {
+        id: given.id.clone(),
+        run: run.clone(),
+        epoch: command.epoch,
+        sent_ms: times.sent,
+        expires_ms: times.expiry,
+        not_before_ms: given.not_before,
+        transfer_ms: times.transfer,
+        robot_start: command.times.start.0,
+        robot_not_before_ms: command.times.not_before,
+        robot_not_after_ms: command.times.not_after,
+    };
+    StoredCommand { about, body: command.body.clone() }
+}
+
+#[cfg(test)]
+impl CommandStorage {
+    pub(super) fn is_empty(&self) -> bool {
+        self.storing.is_empty() && self.stored.is_empty()
+    }
+
+    /// Replaces the disk by one that hangs.
+    pub(super) fn hang(&mut self) {
+        self.disk = CommandDisk::stuck();
+    }
+}
