@@ -2,7 +2,7 @@
 
 use crate::carrier::{Carrier, Deliver};
 use crate::error::RelayError;
-use parking_lot::Mutex;
+use parking_lot::{Condvar, Mutex};
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
@@ -27,6 +27,9 @@ pub struct Stopper(Arc<Stopping>);
 #[derive(Debug, Default)]
 struct Stopping {
     is_stopped: AtomicBool,
+    /// Held while a thread decides to wait for the stop.
+    waiting: Mutex<()>,
+    stopped: Condvar,
     /// Threads that hold sockets.
     threads: Mutex<Vec<JoinHandle<()>>>,
 }
@@ -35,6 +38,17 @@ impl Stopper {
     /// Ends it; it takes a moment.
     pub fn stop(&self) {
         self.0.is_stopped.store(true, Ordering::Release);
+        let _waiting = self.0.waiting.lock();
+        self.0.stopped.notify_all();
+    }
+
+    /// Waits for this time, or until the stop. Returns true once it is stopped.
+    pub(crate) fn wait(&self, time: Duration) -> bool {
+        let mut waiting = self.0.waiting.lock();
+        if !self.is_stopped() {
+            self.0.stopped.wait_for(&mut waiting, time);
+        }
+        self.is_stopped()
     }
 
     pub(crate) fn is_stopped(&self) -> bool {

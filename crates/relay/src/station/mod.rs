@@ -9,11 +9,13 @@ mod health;
 mod in_order;
 mod kept_runs;
 mod lifetime;
+mod paired_robots;
 mod parcels;
 mod pending_requests;
 mod received;
 mod replica_run;
 mod robot;
+mod robots;
 mod stored_command;
 mod value_disk;
 mod values;
@@ -36,9 +38,10 @@ use crate::requests::RequestBroker;
 use crate::value_fetch_broker::ValueFetchBroker;
 use command_disk::FromCommandDisk;
 use disk::FromDisk;
+use paired_robots::PairedRobots;
 use rafcon_link::{Profile, StreamId};
 use robot::StationRobot;
-use std::collections::BTreeSet;
+use robots::Robots;
 use std::fmt;
 use std::io;
 use std::net::{SocketAddr, TcpListener, UdpSocket};
@@ -56,7 +59,7 @@ const SAVE_EVERY: Duration = Duration::from_secs(10);
 /// Number of ports to try if any port is accepted.
 const TRIES: usize = 16;
 
-/// Pairings of a station. It reads them every second, so that it receives a robot that was paired after its start.
+/// Pairings of a station. A thread of its own reads them every second, so that it receives a robot that was paired after its start.
 pub trait PairingList: fmt::Debug + Send + Sync {
     /// All pairings, or the pairing that cannot be read.
     fn read(&self) -> Result<Vec<Paired>, String>;
@@ -118,6 +121,8 @@ pub(crate) enum ToStation {
     Commands(usize, FromCommandDisk),
     /// Message of the disk, about large values of the robot of this number.
     Values(usize, FromValueDisk),
+    /// A robot that was paired after the start. It has the next number.
+    Paired(Box<StationRobot>),
 }
 
 /// Receives robots by UDP and, at the same port, TCP. Returns the address.
@@ -134,62 +139,6 @@ fn receive(
         Ok(address)
     };
     begin().map_err(|source| RelayError::Bind { address: settings.bind, source })
-}
-
-/// Names of the robots whose pairings were read.
-#[derive(Debug, Default)]
-struct PairedRobots {
-    names: BTreeSet<String>,
-    /// The last error of the list.
-    problem: Option<String>,
-}
-
-impl PairedRobots {
-    /// The robots that are paired when the station starts. One that cannot be received ends the station.
-    fn begin_all(
-        &mut self,
-        settings: &StationSettings,
-        inbox: &Inbox<ToStation>,
-        clock: SessionClock,
-    ) -> Result<Vec<StationRobot>, RelayError> {
-        let new = self.read(settings);
-        let robots = new.iter().enumerate().map(|(number, paired)| {
-            StationRobot::begin(settings, number, paired, inbox.sender(), clock)
-        });
-        robots.collect()
-    }
-
-    /// Adds robots paired after the start. Reports a robot that cannot be received, once.
-    fn begin_new(
-        &mut self,
-        settings: &StationSettings,
-        inbox: &Inbox<ToStation>,
-        clock: SessionClock,
-        robots: &mut Vec<StationRobot>,
-    ) {
-        for paired in self.read(settings) {
-            let (name, number) = (&paired.pairing.robot, robots.len());
-            match StationRobot::begin(settings, number, &paired, inbox.sender(), clock) {
-                Ok(robot) => {
-                    (settings.tell)(&format!("robot {name} is paired now and is received"));
-                    robots.push(robot);
-                }
-                Err(error) => (settings.tell)(&format!("robot {name} is not received: {error}")),
-            }
-        }
-    }
-
-    /// Pairings of robots that were not read before.
-    fn read(&mut self, settings: &StationSettings) -> Vec<Paired> {
-        let read = settings.pairings.read();
-        let problem = read.as_ref().err().cloned();
-        if let Some(problem) = problem.as_ref().filter(|_| self.problem != problem) {
-            (settings.tell)(problem);
-        }
-        self.problem = problem;
-        let paired = read.unwrap_or_default().into_iter();
-        paired.filter(|paired| self.names.insert(paired.pairing.robot.clone())).collect()
-    }
 }
 
 /// Binds a port of UDP and the same port of TCP.
@@ -217,8 +166,9 @@ pub fn relay_station(
     let inbox = Inbox::new();
     is_up(receive(settings, &inbox, stopper)?);
     let clock = SessionClock::begin();
-    let mut paired = PairedRobots::default();
-    let mut robots = paired.begin_all(settings, &inbox, clock)?;
+    let mut paired = PairedRobots::new(settings.clone(), inbox.sender(), clock);
+    let mut robots = Robots::new(paired.begin_all()?);
+    paired.watch(stopper).map_err(|source| RelayError::Thread { source })?;
     let reporter = Reporter::open(&settings.folder)?;
     let (mut next_scan_at, mut next_save_at, mut next_report_at) =
         (SCAN_EVERY, SAVE_EVERY, REPORT_EVERY);
@@ -234,42 +184,15 @@ pub fn relay_station(
         }
         if now >= next_report_at {
             next_report_at = now + REPORT_EVERY;
-            paired.begin_new(settings, &inbox, clock, &mut robots);
-            robots.iter().for_each(StationRobot::refresh_contacts);
             reporter.set(robots.iter_mut().map(StationRobot::report).collect());
         }
         let mut next = next_scan_at.min(next_save_at).min(next_report_at);
-        for robot in &mut robots {
+        for robot in robots.iter_mut() {
             next = next.min(robot.send()?);
         }
         match inbox.wait(next.saturating_sub(clock.now())) {
-            Some(Input::Datagram(from, datagram)) => {
-                // Which robot it is of is known by the key that opens it.
-                let is_opened = robots.iter_mut().any(|robot| robot.receive(&from, &datagram));
-                if !is_opened {
-                    robots.iter_mut().for_each(StationRobot::note_unusable);
-                }
-            }
-            Some(Input::Other(ToStation::Given(GivenCommand { robot, stream, word }))) => {
-                if let Some(robot) = robots.get_mut(robot) {
-                    robot.command(stream, &word);
-                }
-            }
-            Some(Input::Other(ToStation::Disk(robot, event))) => {
-                if let Some(robot) = robots.get_mut(robot) {
-                    robot.on_disk_event(event);
-                }
-            }
-            Some(Input::Other(ToStation::Commands(robot, event))) => {
-                if let Some(robot) = robots.get_mut(robot) {
-                    robot.on_command_disk_event(event);
-                }
-            }
-            Some(Input::Other(ToStation::Values(robot, event))) => {
-                if let Some(robot) = robots.get_mut(robot) {
-                    robot.on_value_disk_event(event);
-                }
-            }
+            Some(Input::Datagram(from, datagram)) => robots.receive(&from, &datagram),
+            Some(Input::Other(message)) => robots.handle(message),
             None => {}
         }
     }
@@ -279,3 +202,6 @@ pub fn relay_station(
     stopper.join();
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

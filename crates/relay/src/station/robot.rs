@@ -38,6 +38,7 @@ use name::RobotName;
 use rafcon_link::{StationSession, StreamId};
 use rafcon_protocol::{LinkHealth, LinkReport};
 use runs::StationRuns;
+use std::fmt;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
@@ -47,7 +48,7 @@ use watches::RunWatches;
 /// Reported while runs wait for others.
 const CROWDED: &str = "more runs are incomplete than the station receives at a time (2,048): the others come once some are complete";
 
-pub(super) struct StationRobot {
+pub(crate) struct StationRobot {
     clock: SessionClock,
     session: StationSession,
     link: RobotLink,
@@ -57,6 +58,12 @@ pub(super) struct StationRobot {
     watches: RunWatches,
     values: StationValues,
     commands: StationCommands,
+}
+
+impl fmt::Debug for StationRobot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StationRobot").finish_non_exhaustive()
+    }
 }
 
 impl StationRobot {
@@ -116,7 +123,9 @@ impl StationRobot {
         let (server_requests, lists) = (settings.server_requests.clone(), settings.lists.clone());
         let stored_in = folder.join("commands");
         let StoredCommands { commands: stored, problems } = StoredCommands::read(&stored_in);
-        problems.iter().for_each(|problem| name.tell(problem));
+        for problem in &problems {
+            name.tell(problem);
+        }
         let command_disk = CommandDisk::begin(stored_in, number, inbox)
             .map_err(|source| RelayError::Thread { source })?;
         let ids = stored.iter().map(StoredCommand::id);
@@ -221,11 +230,6 @@ impl StationRobot {
         self.runs.close_complete(session);
     }
 
-    /// Reads the planned contacts again if their file has changed.
-    pub(super) fn refresh_contacts(&self) {
-        self.link.refresh_contacts();
-    }
-
     /// State of the link.
     pub(super) fn report(&mut self) -> LinkReport {
         let plan = self.link.contacts().plan;
@@ -252,4 +256,4 @@ impl StationRobot {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -156,8 +156,8 @@ fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 fn path(folder: &Path, id: CommandId) -> PathBuf {
-    let name: String = id.0.iter().map(|byte| format!("{byte:02x}")).collect();
-    folder.join(name).with_extension(FILE)
+    let name = u128::from_be_bytes(id.0);
+    folder.join(format!("{name:032x}")).with_extension(FILE)
 }
 
 #[cfg(test)]

@@ -97,13 +97,6 @@ impl RobotLink {
         self.contacts.known(self.name.as_str()).unwrap_or_default()
     }
 
-    /// Reads the planned contacts again if their file has changed.
-    pub(super) fn refresh_contacts(&self) {
-        if let Some(problem) = self.contacts.refresh(self.name.as_str()) {
-            self.name.tell(&problem);
-        }
-    }
-
     /// State of the link, without the counts of events and commands.
     pub(super) fn health(&mut self, session: &StationSession) -> LinkHealth {
         let contacts = self.contacts();

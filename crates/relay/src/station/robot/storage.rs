@@ -131,7 +131,9 @@ impl CommandStorage {
             request.times.expiry.is_some_and(|expiry_ms| expiry_ms <= now_ms)
         };
         let late: Vec<_> = self.storing.extract_if(.., is_late).collect();
-        late.iter().for_each(|(id, _)| self.disk.remove(*id));
+        for (id, _) in &late {
+            self.disk.remove(*id);
+        }
         late.into_iter().map(|(_, request)| request).collect()
     }
 

@@ -21,7 +21,7 @@ use rafcon_storage::journal::About;
 use std::path::Path;
 use std::sync::Arc;
 
-fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
+pub(in crate::station) fn robot(folder: &Path) -> (StationRobot, Inbox<ToStation>) {
     let pairing = Pairing::generate("scout", None).unwrap();
     robot_of(folder, &pairing, SessionClock::begin())
 }
@@ -60,7 +60,7 @@ pub(super) fn session() -> StationSession {
     StationSession::new(&start.identity(&pairing), Profile::LAN)
 }
 
-pub(super) fn stream(number: usize) -> StreamId {
+pub(in crate::station) fn stream(number: usize) -> StreamId {
     ids::events_of(&format!("run-{number}"))
 }
 
