@@ -20,7 +20,7 @@ import { Journal } from "../store/history/journal.ts";
 import { rolled, withBase } from "../store/history/rolled.ts";
 import type { RunSnapshot, SentCommand, Watch } from "../store/history/run.ts";
 import { LatestRequest } from "../store/page/latest_request.ts";
-import { REPEATED, RefusalError, type Server } from "../store/page/server.ts";
+import { REPEATED, type Server } from "../store/page/server.ts";
 import type { Clock } from "./clock.ts";
 import { CommandOutbox, lifetimeOverLink_ms } from "./command_outbox.ts";
 import { PastWindows } from "./past_windows.ts";

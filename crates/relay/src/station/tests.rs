@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::inbox::Stopper;
+use crate::machine_lists::MachineLists;
 use crate::pairing::{Paired, Pairing};
 use parking_lot::Mutex;
 use rafcon_link::{
@@ -64,6 +65,7 @@ fn datagrams_pass_while_the_pairings_and_contacts_cannot_be_read() {
         server_requests: RequestBroker::default(),
         contacts: ContactStore::default(),
         lists: CommandListStore::new(|_| Right::Command),
+        machines: MachineLists::default(),
         tell: |_| {},
     };
     let stopper = Stopper::default();
