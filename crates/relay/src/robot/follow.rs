@@ -1,8 +1,10 @@
 //! The connection to the runner of a run that continues.
 
 use super::parcels::SentParcel;
+use super::scanner::FoundRun;
 use crate::inbox::Input;
 use crate::meter::millis;
+use crate::pairing::Pairing;
 use rafcon_protocol::api::RobotAnswer;
 use rafcon_protocol::{
     Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode, read_frame,
@@ -32,6 +34,12 @@ pub(super) enum FromRun {
     Gone(String),
     /// These parcels are sent, and no others.
     Parcels(Vec<SentParcel>),
+    /// The disk has these runs.
+    Scanned(Vec<FoundRun>),
+    /// A key for the station lies ready.
+    NextKey(Box<Pairing>),
+    /// The pairing was replaced by the offered one, or not, with the reason.
+    KeyReplaced(Result<(), String>),
 }
 
 /// A runner that is followed until this is dropped.

@@ -1,12 +1,16 @@
 //! The robot's side: finds its runs, follows those that continue, sends what happens, and gives commands to their runners.
 
 mod authority;
+mod commands;
+mod disk;
 mod early;
 mod follow;
 mod numbers;
+mod offered_key;
 mod parcels;
 mod project_machines;
 mod runs;
+mod scanner;
 mod values;
 mod watches;
 
@@ -19,22 +23,24 @@ use crate::error::RelayError;
 use crate::ids;
 use crate::inbox::{Inbox, Input, Stopper};
 use crate::machine_lists::MACHINES_FOLDER;
-use crate::meter::{LinkMeter, millis, shortened};
-use crate::pairing::{Paired, Pairing};
+use crate::meter::{LinkMeter, shortened};
+use crate::pairing::Paired;
 use crate::report::{REPORT_EVERY, Reporter};
-use crate::request_words;
 use crate::start::Start;
-use crate::words::{StationRequest, at_robot, author_at_robot};
+use commands::outcome;
+use disk::{RobotDisk, RobotFiles};
 use early::EarlyCommands;
 use follow::FromRun;
+use numbers::RunNumbers;
+use offered_key::OfferedKey;
 use parcels::SentParcels;
-use rafcon_link::{CommandState, Generation, Profile, ReceivedCommand, RobotSession, StreamId};
-use rafcon_protocol::api::{
-    ControlMove, ResumeRequest, ResumeRun, Right, RobotAnswer, StartRequest,
-};
-use rafcon_protocol::{Envelope, Expiry, LinkReport};
+use rafcon_link::{Generation, Profile, RobotSession};
+use rafcon_protocol::LinkReport;
+use rafcon_protocol::api::RobotAnswer;
 use rafcon_supervisor::clock;
-use runs::RobotRuns;
+use runs::{RobotRuns, RunsPlace};
+use scanner::{FoundRun, RunScanner};
+use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -73,38 +79,9 @@ pub struct RobotSettings {
 
 /// Carries the runs of a robot to one station until it is stopped.
 pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), RelayError> {
-    let mut start = Start::begin(&settings.folder)?;
     let inbox = Inbox::new();
-    let carrier = carrier(settings, &inbox, stopper)?;
-    let identity = start.identity(&settings.paired.pairing);
-    let mut session = RobotSession::new(&identity, settings.profile.clone());
-    let list = settings.folder.join("runs");
-    let clock = SessionClock::begin();
-    let machines = settings.folder.join(MACHINES_FOLDER);
-    let (projects, tell) = (settings.projects.clone(), settings.tell);
-    let parcels = parcels::begin(&machines, projects, inbox.sender(), tell)
-        .map_err(|source| RelayError::Folder { path: machines, source })?;
-    let parcels = SentParcels::new(parcels);
-    let mut runs = RobotRuns::new(&settings.runs, list, inbox.sender(), (tell, clock), parcels);
-    runs.set_pickle_max(pickle_max(&settings.profile));
-    runs.restore(&mut session);
-    let (watched, age_max) = (settings.folder.join("watched"), age_max(&settings.profile));
-    let watches = RobotWatches::begin(watched, age_max, clock::since_1970_ms(), &mut session);
-    let meter = LinkMeter::new(&settings.paired.pairing, &settings.profile, false);
+    let mut relay = RobotRelay::begin(settings, &inbox, stopper)?;
     let reporter = Reporter::open(&settings.folder)?;
-    let (offered, station_start) = (None, session.station_start());
-    let mut relay = RobotRelay {
-        settings,
-        clock,
-        carrier,
-        session,
-        runs,
-        watches,
-        meter,
-        offered,
-        station_start,
-        early: EarlyCommands::default(),
-    };
     let (mut next_scan_at, mut next_step_at, mut next_save_at) =
         (Duration::ZERO, Duration::ZERO, SAVE_EVERY);
     while !stopper.is_stopped() {
@@ -120,7 +97,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         }
         if now >= next_save_at {
             next_save_at = now + SAVE_EVERY;
-            relay.keep_heard(&mut start);
+            relay.keep_heard();
             relay.keep_watches(now);
         }
         relay.carry_out_due();
@@ -132,13 +109,20 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
                 Some(Input::Datagram(from, datagram)) => relay.receive(&from, datagram),
-                Some(Input::Other(from_run)) => relay.happened(from_run),
+                Some(Input::Other(from_run)) => {
+                    let is_scan = matches!(from_run, FromRun::Scanned(_));
+                    relay.happened(from_run);
+                    if is_scan {
+                        next_step_at = relay.next_step(relay.clock.now());
+                    }
+                }
                 None => break,
             }
             time = Duration::ZERO;
         }
     }
-    relay.keep_heard(&mut start);
+    relay.keep_heard();
+    relay.disk.end();
     drop((relay, inbox));
     stopper.join();
     Ok(())
@@ -165,11 +149,11 @@ struct RobotRelay<'s> {
     clock: SessionClock,
     carrier: Carrier,
     session: RobotSession,
+    disk: RobotDisk,
     runs: RobotRuns,
     watches: RobotWatches,
     meter: LinkMeter,
-    /// The pairing that the station is offered.
-    offered: Option<Pairing>,
+    key: OfferedKey,
     /// The station's newest known start.
     station_start: Option<Generation>,
     early: EarlyCommands,
@@ -180,54 +164,78 @@ fn pickle_max(profile: &Profile) -> usize {
     usize::try_from(profile.down_bits_per_s / 8 / 20).unwrap_or(usize::MAX).max(128)
 }
 
-impl RobotRelay<'_> {
+impl<'s> RobotRelay<'s> {
+    /// Restores the state of the last start.
+    fn begin(
+        settings: &'s RobotSettings,
+        inbox: &Inbox<FromRun>,
+        stopper: &Stopper,
+    ) -> Result<Self, RelayError> {
+        let start = Start::begin(&settings.folder)?;
+        let carrier = carrier(settings, inbox, stopper)?;
+        let identity = start.identity(&settings.paired.pairing);
+        let mut session = RobotSession::new(&identity, settings.profile.clone());
+        let clock = SessionClock::begin();
+        let machines = settings.folder.join(MACHINES_FOLDER);
+        let tell = settings.tell;
+        let parcels = parcels::begin(&machines, settings.projects.clone(), inbox.sender(), tell)
+            .map_err(|source| RelayError::Folder { path: machines, source })?;
+        let place = RunsPlace {
+            folder: settings.runs.clone(),
+            inbox: inbox.sender(),
+            tell,
+            clock,
+            pickle_max: pickle_max(&settings.profile),
+        };
+        let numbers = settings.folder.join("numbers");
+        // Without the file, the station reports runs that share a number.
+        let taken = RunNumbers::read(&fs::read(&numbers).unwrap_or_default());
+        let mut runs = RobotRuns::new(place, taken, SentParcels::new(parcels));
+        let (list, watched) = (settings.folder.join("runs"), settings.folder.join("watched"));
+        // Without a list, all runs are older ones.
+        runs.restore(&fs::read_to_string(&list).unwrap_or_default(), &mut session);
+        let (written, age_max) =
+            (fs::read(&watched).unwrap_or_default(), age_max(&settings.profile));
+        let watches = RobotWatches::begin(written, age_max, clock::since_1970_ms(), &mut session);
+        let scanner = RunScanner::new(&settings.runs, runs.known(), tell);
+        let paired = settings.paired.clone();
+        let files = RobotFiles { start, paired, list, numbers, watched, tell };
+        let disk = RobotDisk::begin(files, scanner, inbox.sender())
+            .map_err(|source| RelayError::Thread { source })?;
+        Ok(Self {
+            clock,
+            carrier,
+            disk,
+            runs,
+            watches,
+            meter: LinkMeter::new(&settings.paired.pairing, &settings.profile, false),
+            key: OfferedKey::default(),
+            station_start: session.station_start(),
+            early: EarlyCommands::default(),
+            session,
+            settings,
+        })
+    }
+
     /// Stores the state of the link for the next start.
-    fn keep_heard(&self, start: &mut Start) {
-        if let Err(error) = start.keep_heard(self.session.key_id(), self.session.horizon()) {
-            (self.settings.tell)(&format!(
-                "the last packet numbers of the station cannot be stored: {error}"
-            ));
-        }
+    fn keep_heard(&self) {
+        self.disk.keep_heard(self.session.key_id(), self.session.horizon());
     }
 
-    /// Offers the station the key that lies ready, and uses it once the station does.
-    fn renew_key(&mut self) {
-        let paired = &self.settings.paired;
-        match &self.offered {
-            None => {
-                self.offered = paired.read_next().filter(|it| it.key_id != self.session.key_id());
-                if let Some(next) = &self.offered {
-                    self.session.offer_key(next.key_id, &next.key);
-                }
-            }
-            Some(next) if self.session.is_offer_taken() => match paired.replace(next) {
-                Ok(()) => {
-                    self.session.use_offered();
-                    self.offered = None;
-                    (self.settings.tell)("the station uses the new key, and so does this robot");
-                }
-                Err(error) => {
-                    (self.settings.tell)(&format!("the new key is not used yet: {error}"));
-                }
-            },
-            Some(_) => {}
-        }
-    }
-
-    /// Scans the runs, and exchanges with runners and station what changes slowly.
+    /// Exchanges with runners and station what changes slowly.
     fn scan(&mut self, now: Duration) {
-        self.scan_runs(now);
+        self.runs.release(&mut self.session);
+        self.go_on(now);
         self.give_early();
         self.session.set_calendar(now, clock::since_1970_ms());
         self.tell_control();
         let heard = self.session.heard_before(now).map(|ago| now.saturating_sub(ago));
         self.runs.tell_ground(now, heard);
-        self.renew_key();
+        self.key.renew(&self.session, &self.disk);
     }
 
-    /// Scans the runs, and releases those that are whole at the station.
-    fn scan_runs(&mut self, now: Duration) {
-        let is_heard = self.session.is_heard(now);
+    /// Applies a scan of the runs. A station that has started again needs to know all of them.
+    fn scanned(&mut self, found: Vec<FoundRun>) {
         let start = self.session.station_start();
         if self.station_start != start {
             if self.station_start.is_some() {
@@ -235,8 +243,10 @@ impl RobotRelay<'_> {
             }
             self.station_start = start;
         }
-        self.runs.scan(&mut self.session, is_heard);
+        self.runs.scanned(found, &mut self.session);
         self.let_go();
+        self.give_early();
+        self.tell_control();
     }
 
     /// Continues with the runs that have ended.
@@ -249,6 +259,13 @@ impl RobotRelay<'_> {
     fn let_go(&mut self) {
         for stream in self.runs.let_go(&mut self.session) {
             self.watches.forget(stream);
+        }
+        if let Some(list) = self.runs.take_list() {
+            self.disk.keep_list(list);
+        }
+        let numbers = self.runs.take_numbers();
+        if !numbers.is_empty() {
+            self.disk.add_numbers(&numbers);
         }
     }
 
@@ -272,10 +289,10 @@ impl RobotRelay<'_> {
         let health = meter.health(now, sent, received, session.heard_before(now));
         let report = meter.report(health, sent, received, runs.progress(session));
         let waits = self
-            .offered
-            .as_ref()
-            .map(|_| "a new key is offered, and the station does not use it yet");
-        let waits = waits.into_iter().map(str::to_owned);
+            .key
+            .is_pending()
+            .then(|| "a new key is offered, and the station does not use it yet".to_owned());
+        let waits = waits.into_iter();
         let shortened = shortened(session.shortened_datagrams());
         let problems = waits.chain(shortened).chain(runs.problems()).collect();
         LinkReport { problems, send_bytes_per_s: Some(session.send_rate() / 8), ..report }
@@ -300,7 +317,9 @@ impl RobotRelay<'_> {
 
     fn keep_watches(&mut self, now: Duration) {
         let (now_ms, heard_before) = (clock::since_1970_ms(), self.session.heard_before(now));
-        self.watches.keep(now_ms, heard_before, &mut self.session);
+        if let Some(list) = self.watches.take_list(now_ms, heard_before, &mut self.session) {
+            self.disk.keep_watched(list);
+        }
     }
 
     fn receive(&mut self, from: &Carrier, mut datagram: Vec<u8>) {
@@ -324,158 +343,6 @@ impl RobotRelay<'_> {
         }
     }
 
-    /// Carries out the commands whose time has come.
-    fn carry_out_due(&mut self) {
-        let (now, mut commands) = (self.clock.now(), Vec::new());
-        self.session.take_due(now, |command| commands.push(command));
-        for command in commands {
-            self.command(now, command);
-        }
-    }
-
-    /// Gives commands again to runs that had only just begun.
-    fn give_early(&mut self) {
-        let now = self.clock.now();
-        for command in self.early.take(millis(now)) {
-            self.command(now, command);
-        }
-    }
-
-    /// Carries out the request of a station's user, if the user has the right.
-    fn command(&mut self, now: Duration, command: ReceivedCommand) {
-        let read = request_words::read(command.id, &command.body);
-        let mut command = command;
-        let late_fate = match &read {
-            _ if !self.make_ready(&read, command.is_late) => Some(None),
-            Ok((stream, word)) if command.is_late => Some(outcome(self.late_fate(*stream, word))),
-            _ => None,
-        };
-        if let Some(None) = late_fate {
-            let id = command.id;
-            match self.early.add(command) {
-                // The robot reports no fate before it has one.
-                None => {
-                    return self.session.set_command_state(now, id, CommandState::Received, "");
-                }
-                Some(refused) => command = refused,
-            }
-        }
-        let ReceivedCommand { id, not_after_ms, epoch, is_late, .. } = command;
-        let done = match read {
-            _ if is_late => {
-                Ok(late_fate.flatten().unwrap_or((CommandState::Started, String::new())))
-            }
-            Ok((stream, word)) => {
-                let left_ms = not_after_ms.saturating_sub(millis(now));
-                let expiry_ms = clock::since_1970_ms().saturating_add(left_ms);
-                let state = self.handle(stream, word, epoch, expiry_ms);
-                state.map(|state| (state, String::new()))
-            }
-            Err(error) => Err(format!("the robot's server does not understand it: {error}")),
-        };
-        let (state, text) = done.unwrap_or_else(|reason| (CommandState::Refused, reason));
-        self.session.set_command_state(now, id, state, &text);
-    }
-
-    /// Prepares to carry out a request; false if that, or its fate, needs another moment.
-    fn make_ready(
-        &mut self,
-        read: &Result<(StreamId, StationRequest), String>,
-        is_late: bool,
-    ) -> bool {
-        match read {
-            Ok((stream, StationRequest::Command(..))) => is_late || self.runs.make_ready(*stream),
-            Ok((_, StationRequest::Resume(..) | StationRequest::Start(..))) => {
-                self.settings.authority.is_ready()
-            }
-            Ok((_, StationRequest::MoveControl(..) | StationRequest::Present(_))) | Err(_) => true,
-        }
-    }
-
-    /// Fate of a late request, by the run's journal and the server: an earlier start of this server may have carried it out.
-    fn late_fate(&self, stream: StreamId, word: &StationRequest) -> RobotAnswer {
-        let Self { settings, .. } = self;
-        let authority = &settings.authority;
-        let at_robot = |author| author_at_robot(author, settings.paired.pairing.station_name());
-        match word {
-            StationRequest::Command(id, ..) => {
-                self.runs.answer_of(stream, id).map_or(RobotAnswer::Expired, RobotAnswer::from)
-            }
-            StationRequest::Resume(id, author, run, ..) => {
-                authority.fate_of_resume(run, &at_robot(author), id)
-            }
-            StationRequest::Start(id, author, _) => authority.fate_of_start(&at_robot(author), id),
-            StationRequest::MoveControl(..) | StationRequest::Present(_) => RobotAnswer::Expired,
-        }
-    }
-
-    fn handle(
-        &mut self,
-        stream: StreamId,
-        request: StationRequest,
-        epoch: u64,
-        expiry_ms: u64,
-    ) -> Result<CommandState, String> {
-        let authority = Arc::clone(&self.settings.authority);
-        let Pairing { rights, .. } = self.settings.paired.pairing;
-        let station = self.settings.paired.pairing.station_name();
-        let run = match &request {
-            StationRequest::Resume(_, _, run, ..) => run.clone(),
-            StationRequest::Start(..) => String::new(),
-            _ => self.runs.name(stream).ok_or("the robot has no such run")?.to_owned(),
-        };
-        match request {
-            StationRequest::Command(id, author, decided_on, command) => {
-                rights.check(&command, authority.right_of(&command))?;
-                let author = author_at_robot(&author, station);
-                if !command.is_for_everybody() {
-                    authority.command(&run, &author, &id, epoch)?;
-                    // A user who takes control by this command decides the next one under the new epoch.
-                    self.tell_control();
-                }
-                let (expiry, epoch) = (Some(Expiry(expiry_ms)), Some(epoch));
-                let new = Envelope::new(id, author, command);
-                let envelope = Envelope { decided_on, expiry, epoch, ..new };
-                if self.runs.command(&run, envelope) {
-                    return Ok(CommandState::Started);
-                }
-                Err("the run has no program on the robot that could be commanded".to_owned())
-            }
-            StationRequest::MoveControl(_, author, wanted) => {
-                rights.check_right(Right::Command)?;
-                let wanted = match wanted {
-                    ControlMove::HandOver { to } => {
-                        ControlMove::HandOver { to: at_robot(&to, station) }
-                    }
-                    other => other,
-                };
-                authority.move_control(&run, &author_at_robot(&author, station), &wanted)?;
-                self.tell_control();
-                Ok(CommandState::Done)
-            }
-            StationRequest::Resume(id, author, _, policy, from) => {
-                rights.check_right(Right::Start)?;
-                let user = author_at_robot(&author, station);
-                let answered = self.runs.answerer(id.clone());
-                let (asked, expiry_ms) = (ResumeRun { id, policy, from }, Some(expiry_ms));
-                authority.resume(ResumeRequest { run, user, asked, expiry_ms }, answered)?;
-                Ok(CommandState::Started)
-            }
-            StationRequest::Start(id, author, of) => {
-                rights.check_right(Right::Start)?;
-                let user = author_at_robot(&author, station);
-                let answered = self.runs.answerer(id.clone());
-                let (expiry_ms, no_edit) = (Some(expiry_ms), rights.check_right(Right::Edit).err());
-                authority.start(StartRequest { id, user, of, expiry_ms, no_edit }, answered)?;
-                Ok(CommandState::Started)
-            }
-            StationRequest::Present(user) => {
-                authority.present(&author_at_robot(&user, station));
-                Ok(CommandState::Done)
-            }
-        }
-    }
-
     fn happened(&mut self, from_run: FromRun) {
         match from_run {
             FromRun::Happened(run) => self.runs.happened(&run, &mut self.session),
@@ -492,16 +359,14 @@ impl RobotRelay<'_> {
             }
             FromRun::Gone(run) => self.runs.gone(&run, &mut self.session),
             FromRun::Parcels(parcels) => self.runs.set_parcels(parcels, &mut self.session),
+            FromRun::Scanned(found) => self.scanned(found),
+            FromRun::NextKey(next) => self.key.offer(*next, &mut self.session),
+            FromRun::KeyReplaced(replaced) => {
+                self.key.replaced(replaced, &mut self.session, self.settings.tell);
+            }
         }
     }
 }
 
-/// State of a request with its text: the reason of a refusal, or the run that was started. None while the fate is unknown.
-fn outcome(answer: RobotAnswer) -> Option<(CommandState, String)> {
-    match answer {
-        RobotAnswer::Done { run } => Some((CommandState::Done, run)),
-        RobotAnswer::Refused { reason } => Some((CommandState::Refused, reason)),
-        RobotAnswer::Expired => Some((CommandState::Expired, String::new())),
-        RobotAnswer::Unknown { .. } => None,
-    }
-}
+#[cfg(test)]
+mod tests;

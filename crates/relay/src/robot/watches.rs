@@ -7,8 +7,6 @@ use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{JournalError, Kept, Moment, Reader, Stored};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::PathBuf;
 use std::time::Duration;
 
 /// Shortest interval between two searches for values.
@@ -19,9 +17,7 @@ const VALUES_MAX: usize = 1_024;
 /// Watched values of a robot's runs.
 #[derive(Debug)]
 pub(super) struct RobotWatches {
-    /// File for the next start.
-    file: PathBuf,
-    /// Content of that file.
+    /// Content of the file for the next start.
     written: Vec<u8>,
     /// Silence of the station after which the list is dropped.
     age_max: Duration,
@@ -61,14 +57,13 @@ struct KeptSubscription {
 impl RobotWatches {
     /// Goes on with what was watched when the robot's server ended, if that is not too long ago.
     pub(super) fn begin(
-        file: PathBuf,
+        written: Vec<u8>,
         age_max: Duration,
         now_ms: u64,
         session: &mut RobotSession,
     ) -> Self {
-        let written = fs::read(&file).unwrap_or_default();
         let kept: Vec<KeptSubscription> = serde_json::from_slice(&written).unwrap_or_default();
-        let mut watches = Self { file, written, age_max, runs: BTreeMap::new() };
+        let mut watches = Self { written, age_max, runs: BTreeMap::new() };
         for KeptSubscription { stream, number, heard_ms, targets } in
             kept.into_iter().take(RUNS_MAX)
         {
@@ -106,13 +101,13 @@ impl RobotWatches {
         self.runs.remove(&stream);
     }
 
-    /// Stores the list for the next start. Drops it after too long a silence of the station.
-    pub(super) fn keep(
+    /// The list for the next start, if it has changed. It is dropped after too long a silence of the station.
+    pub(super) fn take_list(
         &mut self,
         now_ms: u64,
         heard_before: Option<Duration>,
         session: &mut RobotSession,
-    ) {
+    ) -> Option<Vec<u8>> {
         if heard_before.is_some_and(|before| before > self.age_max) {
             for (stream, run) in std::mem::take(&mut self.runs) {
                 // The number remains, because the station is informed of the last list received.
@@ -120,7 +115,7 @@ impl RobotWatches {
             }
         }
         // Without a word since the start, what is on the disk is as old as it was.
-        let Some(before) = heard_before else { return };
+        let before = heard_before?;
         let heard_ms = now_ms.saturating_sub(u64::try_from(before.as_millis()).unwrap_or(0));
         let kept: Vec<_> = self
             .runs
@@ -132,13 +127,9 @@ impl RobotWatches {
                 targets: run.targets.clone(),
             })
             .collect();
-        if let Ok(text) = serde_json::to_vec(&kept)
-            && text != self.written
-            // The station requests a lost list again.
-            && fs::write(&self.file, &text).is_ok()
-        {
-            self.written = text;
-        }
+        let text = serde_json::to_vec(&kept).ok().filter(|text| *text != self.written)?;
+        self.written.clone_from(&text);
+        Some(text)
     }
 
     /// Runs in which values are due for a search.
@@ -288,7 +279,7 @@ mod tests {
         let pairing = Pairing::generate("scout", None).unwrap();
         let start = Start::begin(folder).unwrap();
         let mut session = RobotSession::new(&start.identity(&pairing), Profile::LAN);
-        let watches = RobotWatches::begin(folder.join("watches"), Duration::MAX, 0, &mut session);
+        let watches = RobotWatches::begin(Vec::new(), Duration::MAX, 0, &mut session);
         (watches, session)
     }
 

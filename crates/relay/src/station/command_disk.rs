@@ -220,8 +220,9 @@ mod tests {
                 FromCommandDisk::NotKept(..) => {}
             }
         }
-        assert_eq!(StoredCommands::read(&folder).commands, [command.clone()]);
-        disk.remove(command.id());
+        let id = command.id();
+        assert_eq!(StoredCommands::read(&folder).commands, [command]);
+        disk.remove(id);
         disk.end();
         assert!(StoredCommands::read(&folder).commands.is_empty());
     }

@@ -2,12 +2,13 @@
 
 use super::super::follow::Followed;
 use super::super::parcels::{NeededMachine, ParcelWork, SentParcels};
+use super::super::scanner::FoundMachines;
 use crate::about::{PARCEL_MAX, machine_parts, named_parts};
 use crate::ids;
 use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{Rank, RobotSession, StreamId};
 use rafcon_protocol::Snapshot;
-use rafcon_storage::journal::{Chain, EventSource, Hash, JournalError, Pack};
+use rafcon_storage::journal::{Chain, EventSource, Hash, JournalError};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -102,20 +103,25 @@ impl RobotRun {
         self.was_read = false;
     }
 
-    /// Adds the machines that the run has kept since. They come in parcels, until they are very large together: then the run brings
+    /// Adds the machines that are not known yet. They come in parcels, until they are very large together: then the run brings
     /// them itself. Each start of the robot therefore sends identical parts.
-    pub(super) fn look_for_machines(
+    pub(super) fn add_machines(
         &mut self,
+        FoundMachines { before, packs }: FoundMachines,
         session: &mut RobotSession,
         parcels: &mut SentParcels,
         tell: fn(&str),
     ) {
-        let Ok(packs) = Pack::read_after(&self.folder, self.machines) else { return };
+        let known = self.machines.saturating_sub(before);
+        if known >= packs.len() {
+            return;
+        }
+        let packs = &packs[known..];
         self.machines += packs.len();
         for pack in packs {
             self.machine_bytes += pack.fresh.values().map(Vec::len).sum::<usize>();
             if self.machine_bytes > PARCEL_MAX {
-                match machine_parts(&pack) {
+                match machine_parts(pack) {
                     Some(parts) => self.about.extend(parts),
                     None => tell(TOO_LARGE),
                 }

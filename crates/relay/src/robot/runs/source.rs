@@ -24,7 +24,7 @@ impl RunSource for RobotRuns {
             let part = self.run(stream)?.about.get(usize::try_from(first - 1).ok()?)?;
             return Some(EventBuffer { first, count: 1, t_before: 0, items: part.clone() });
         }
-        let id = self.streams.get(&stream)?.clone();
+        let id = self.streams.run(stream)?.clone();
         let read = self.open(&id)?.read(first, last, bytes_max).ok()??;
         let EventItems { first, count, t_before, bytes: items } = read;
         if items.len() > LENGTH_MAX as usize {
@@ -35,7 +35,7 @@ impl RunSource for RobotRuns {
     }
 
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
-        let now = self.clock.now();
+        let now = self.place.clock.now();
         let run = self.run(stream).filter(|_| !ids::is_about(stream))?;
         let (snapshot, told) = run.snapshot.as_ref()?;
         // The runner sends changes only, so that the elapsed time is added.

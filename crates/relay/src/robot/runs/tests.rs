@@ -1,8 +1,12 @@
 //! The bounds of what a robot remembers and sends of its runs.
 
+use super::super::scanner::RunScanner;
+use super::journals::{AHEAD_MAX, HASHED_AT_ONCE, OPEN_MAX};
 use super::*;
 use crate::short_journal::{append, begun, ended};
 use rafcon_link::{Identity, KeyId, PairingKey, Profile, RunSource as _, SenderStart};
+use rafcon_storage::journal::About;
+use std::fs;
 use std::sync::mpsc;
 
 /// Runs of a robot on disk, and the session that sends them.
@@ -29,9 +33,19 @@ impl Robot {
         let (inbox, _told) = mpsc::sync_channel(8);
         let (maker, _works) = mpsc::sync_channel(8);
         let tell: fn(&str) = |problem| panic!("{problem}");
-        let (list, parcels) = (self.folder.path().join("list"), SentParcels::new(maker));
-        let runs = self.folder.path().join("runs");
-        RobotRuns::new(&runs, list, inbox, (tell, SessionClock::begin()), parcels)
+        let (numbers, parcels) = (RunNumbers::read(&[]), SentParcels::new(maker));
+        let (folder, clock) = (self.folder.path().join("runs"), SessionClock::begin());
+        let place = RunsPlace { folder, inbox, tell, clock, pickle_max: usize::MAX };
+        RobotRuns::new(place, numbers, parcels)
+    }
+
+    /// A scan of the disk's thread, and what the relay makes of it each second.
+    fn scan(&mut self, runs: &mut RobotRuns) {
+        let tell: fn(&str) = |problem| panic!("{problem}");
+        let mut scanner = RunScanner::new(&runs.place.folder, runs.known(), tell);
+        runs.release(&mut self.session);
+        runs.go_on(&mut self.session, true);
+        runs.scanned(scanner.scan(), &mut self.session);
     }
 
     fn folder_of(&self, id: &str) -> PathBuf {
@@ -51,21 +65,10 @@ fn of_a_long_list_of_sent_runs_the_newest_go_on_and_the_others_come_as_older_one
         ended(&robot.folder_of(id), &about(id), 1);
     }
     let mut runs = robot.runs();
-    fs::write(&runs.list, ids.join("\n")).unwrap();
-    runs.restore(&mut robot.session);
+    runs.restore(&ids.join("\n"), &mut robot.session);
     assert_eq!(runs.all.keys().collect::<Vec<_>>(), ids[2..].iter().collect::<Vec<_>>());
-    assert_eq!(runs.older, ids[..2]);
-}
-
-#[test]
-fn the_newest_whole_runs_are_listed_up_to_the_bound() {
-    let mut runs = Robot::new().runs();
-    for nth in 0..WHOLE_MAX + 3 {
-        runs.remember_whole(LinkRun { id: format!("run-{nth}"), head: 4, missing: 0 });
-    }
-    let listed: Vec<_> = runs.whole.iter().map(|run| run.id.as_str()).collect();
-    assert_eq!(listed.len(), WHOLE_MAX);
-    assert_eq!((listed[0], listed[WHOLE_MAX - 1]), ("run-3", "run-10"));
+    let older = [runs.ended.pop_older(), runs.ended.pop_older(), runs.ended.pop_older()];
+    assert_eq!(older, [Some(ids[1].clone()), Some(ids[0].clone()), None]);
 }
 
 #[test]
@@ -73,7 +76,7 @@ fn new_events_are_sent_whether_they_go_ahead_or_are_too_many_for_that() {
     let mut robot = Robot::new();
     let journal = begun(&robot.folder_of("run"), &about("run"), 1);
     let mut runs = robot.runs();
-    runs.begin("run", &robot.folder_of("run"), &mut robot.session).unwrap();
+    assert!(runs.begin_from("run", &robot.folder_of("run"), &mut robot.session));
     let mut last = 1;
     for more in [1, AHEAD_MAX, AHEAD_MAX + 1, 3 * AHEAD_MAX, 1] {
         append(&journal, more);
@@ -95,10 +98,10 @@ fn a_run_whose_files_are_being_written_is_no_problem_and_is_sent_later() {
     fs::remove_file(&file).unwrap();
     let mut runs = robot.runs();
     // A problem panics.
-    runs.scan(&mut robot.session, true);
+    robot.scan(&mut runs);
     assert!(runs.all.is_empty());
     fs::write(&file, text).unwrap();
-    runs.scan(&mut robot.session, true);
+    robot.scan(&mut runs);
     assert!(runs.all.contains_key("run"));
 }
 
@@ -111,7 +114,7 @@ fn of_many_ended_runs_only_some_journals_are_open() {
         ended(&robot.folder_of(&id), &about(&id), 1);
     }
     let mut runs = robot.runs();
-    runs.scan(&mut robot.session, true);
+    robot.scan(&mut runs);
     let open = |runs: &RobotRuns| runs.all.values().filter(|run| run.source.is_some()).count();
     assert_eq!((runs.all.len(), open(&runs)), (count, OPEN_MAX));
     // Those that were closed are opened again when their events are sent.
@@ -130,7 +133,7 @@ fn all_runs_that_ended_at_once_are_hashed_in_steps() {
         ended(&robot.folder_of(&id), &about(&id), 1);
     }
     let mut runs = robot.runs();
-    runs.scan(&mut robot.session, true);
+    robot.scan(&mut runs);
     let hashed = |runs: &RobotRuns| runs.all.values().filter(|run| run.is_hashed()).count();
     assert_eq!((hashed(&runs), runs.is_busy(false)), (0, true));
     runs.go_on(&mut robot.session, true);
@@ -149,7 +152,7 @@ fn journals_that_cannot_be_read_hold_up_no_other() {
         ended(&robot.folder_of(id), &about(id), 1);
     }
     let mut runs = robot.runs();
-    runs.scan(&mut robot.session, true);
+    robot.scan(&mut runs);
     let (readable, damaged) = ids.split_last().unwrap();
     for id in damaged {
         runs.all.get_mut(id).unwrap().source = None;
