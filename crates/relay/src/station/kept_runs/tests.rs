@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::machine_lists::MachineLists;
+use crate::ids;
 use crate::pairing::Pairing;
 use crate::short_journal::{begun, ended};
 use crate::start::Start;
@@ -53,7 +54,9 @@ fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
     let mut kept = kept_runs(folder.path());
     let stream = |number: usize| ids::events_of(&format!("run-{number}"));
     for number in 0..=REFUSED_MAX {
-        kept.all.insert(stream(number), KeptRun { is_refused: true, ..KeptRun::default() });
+        let mut run = KeptRun::default();
+        run.refuse();
+        kept.all.insert(stream(number), run);
         kept.settle();
     }
     assert!(kept.all.is_empty());
