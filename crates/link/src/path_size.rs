@@ -1,5 +1,6 @@
 //! Length of datagrams that the path carries. Some paths drop longer ones without a word.
 
+use crate::profile::CARRIER_OVERHEAD;
 use crate::robot::now_ms;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -10,6 +11,8 @@ const LENGTHS: [usize; 6] = [1_200, 1_000, 800, 600, 500, LENGTH_MIN];
 pub(crate) const LENGTH_MIN: usize = 400;
 /// Lost datagrams that show that they were too long. Chance loses fewer in a row.
 const LOST: usize = 16;
+/// If fewer short bytes arrive than one in this many, the link was cut.
+const ARRIVED_PART: u64 = 2;
 /// Interval of the notes of long datagrams.
 const NOTE_EVERY: u64 = 10;
 /// Capacity for these notes.
@@ -26,8 +29,12 @@ const RETRY_EVERY: Duration = Duration::from_mins(10);
 pub(crate) struct PathSize {
     profile_max: usize,
     max: usize,
-    /// Times in ms and lengths of long datagrams that no report covers yet.
-    sent: VecDeque<(u64, usize)>,
+    /// Long datagrams that no report covers yet.
+    sent: VecDeque<Note>,
+    /// Bytes of the short datagrams sent.
+    short_bytes: u64,
+    /// Short and arrived bytes at the last report that covered a long datagram.
+    reported: (u64, u64),
     /// Lengths of lost datagrams since one of at least their length arrived.
     lost: Vec<usize>,
     retry_at: Duration,
@@ -35,10 +42,27 @@ pub(crate) struct PathSize {
     unheard: u64,
 }
 
+/// A long datagram that was sent.
+#[derive(Debug)]
+struct Note {
+    at_ms: u64,
+    length: usize,
+    /// Bytes of the short datagrams before it.
+    short_bytes: u64,
+}
+
 impl PathSize {
     pub(crate) fn new(profile_max: usize) -> Self {
-        let (sent, lost, retry_at) = (VecDeque::new(), Vec::new(), Duration::MAX);
-        Self { profile_max, max: profile_max, sent, lost, retry_at, unheard: 0 }
+        Self {
+            profile_max,
+            max: profile_max,
+            sent: VecDeque::new(),
+            short_bytes: 0,
+            reported: (0, 0),
+            lost: Vec::new(),
+            retry_at: Duration::MAX,
+            unheard: 0,
+        }
     }
 
     /// Limit of datagrams in bytes.
@@ -61,9 +85,11 @@ impl PathSize {
     /// Counts a sent datagram.
     pub(crate) fn sent(&mut self, now: Duration, length: usize) {
         let at_ms = now_ms(now);
-        let is_due = self.sent.back().is_none_or(|(last_ms, _)| at_ms >= last_ms + NOTE_EVERY);
-        if length > LENGTH_MIN && is_due {
-            self.sent.push_back((at_ms, length));
+        let is_due = self.sent.back().is_none_or(|last| at_ms >= last.at_ms + NOTE_EVERY);
+        if length <= LENGTH_MIN {
+            self.short_bytes += (length + CARRIER_OVERHEAD) as u64;
+        } else if is_due {
+            self.sent.push_back(Note { at_ms, length, short_bytes: self.short_bytes });
             if self.sent.len() > NOTES_MAX {
                 self.sent.pop_front();
             }
@@ -75,15 +101,31 @@ impl PathSize {
         }
     }
 
-    /// Applies a report: the longest datagram that the peer has received lately, and the time of the newest one that was not overtaken.
-    /// Returns whether the limit has become lower.
-    pub(crate) fn report(&mut self, now: Duration, longest: usize, newest_ms: u64) -> bool {
+    /// Applies a report: the longest datagram that the peer has received lately, all bytes that it has received, and the time of the
+    /// newest one that was not overtaken. Returns whether the limit has become lower.
+    pub(crate) fn report(
+        &mut self,
+        now: Duration,
+        longest: usize,
+        arrived: u64,
+        newest_ms: u64,
+    ) -> bool {
         let oldest_ms = newest_ms.saturating_sub(now_ms(RECENT));
         self.lost.retain(|length| *length > longest);
-        while let Some((at_ms, length)) = self.sent.pop_front_if(|(at_ms, _)| *at_ms <= newest_ms) {
+        let covered = self.sent.partition_point(|note| note.at_ms <= newest_ms);
+        let Some(short_bytes) = self.sent.range(..covered).next_back().map(|it| it.short_bytes)
+        else {
+            return false;
+        };
+        let (short_before, arrived_before) = self.reported;
+        self.reported = (short_bytes, arrived);
+        // In a cut short datagrams are lost, too.
+        let is_cut =
+            arrived.saturating_sub(arrived_before) < (short_bytes - short_before) / ARRIVED_PART;
+        for note in self.sent.drain(..covered) {
             // The report does not cover earlier ones.
-            if at_ms >= oldest_ms && length > longest {
-                self.lost.push(length);
+            if !is_cut && note.at_ms >= oldest_ms && note.length > longest {
+                self.lost.push(note.length);
             }
         }
         if self.lost.len() < LOST {
@@ -125,7 +167,7 @@ impl LongestReceived {
 
 #[cfg(test)]
 mod tests {
-    use super::{LENGTHS, LOST, LongestReceived, NOTES_MAX, PathSize};
+    use super::{CARRIER_OVERHEAD, LENGTHS, LOST, LongestReceived, NOTES_MAX, PathSize};
     use std::time::Duration;
 
     const fn ms(ms: u64) -> Duration {
@@ -135,15 +177,16 @@ mod tests {
     /// Limits that follow from reports of a path that drops what is longer than this.
     fn limits(carries: usize) -> Vec<usize> {
         let (mut path, mut received) = (PathSize::new(1_200), LongestReceived::default());
-        let mut limits = vec![path.max()];
+        let (mut limits, mut arrived) = (vec![path.max()], 0);
         for at in (0..60_000).step_by(10) {
             for length in [path.max(), 90] {
                 path.sent(ms(at), length);
                 if length <= carries {
                     received.add(ms(at), length);
+                    arrived += (length + CARRIER_OVERHEAD) as u64;
                 }
             }
-            if path.report(ms(at), received.get(), at) {
+            if path.report(ms(at), received.get(), arrived, at) {
                 limits.push(path.max());
             }
         }
@@ -164,13 +207,26 @@ mod tests {
         let mut path = PathSize::new(1_200);
         let lost = |path: &mut PathSize, count: usize| {
             (0..count).for_each(|nth| path.sent(ms(nth as u64 * 10), 1_200));
-            path.report(ms(1_000), 600, 1_000)
+            path.report(ms(1_000), 600, 0, 1_000)
         };
         assert!(!lost(&mut path, LOST - 1));
         assert!(lost(&mut path, LOST));
         assert_eq!(path.shortened(), Some(1_000));
         path.sent(Duration::from_mins(11), 90);
         assert_eq!(path.shortened(), None);
+    }
+
+    /// The first report after a cut covers the end of the cut, and the station has received no long datagram lately.
+    #[test]
+    fn a_cut_shortens_nothing() {
+        let mut path = PathSize::new(1_200);
+        for at in (0..60_000).step_by(50) {
+            path.sent(ms(at), 1_200);
+            path.sent(ms(at), 400);
+        }
+        assert!(!path.report(ms(62_000), 400, 428, 60_000));
+        path.sent(ms(63_000), 1_200);
+        assert!(!path.report(ms(65_000), 400, 428, 63_000));
     }
 
     /// A path that drops long datagrams, of which one is sent each half minute, as of a single long event.
@@ -180,7 +236,7 @@ mod tests {
         let mut send = |nth: u64, length: usize, longest: usize| {
             let at = nth * 30_000;
             path.sent(ms(at), length);
-            path.report(ms(at + 2_000), longest, at + 1_000)
+            path.report(ms(at + 2_000), longest, 0, at + 1_000)
         };
         let most = LOST as u64;
         assert!((0..most - 1).all(|nth| !send(nth, 900, 600)));
@@ -194,8 +250,8 @@ mod tests {
     fn notes_are_kept_up_to_the_bound() {
         let mut path = PathSize::new(1_200);
         (0..=NOTES_MAX as u64).for_each(|nth| path.sent(ms(nth * 10), 1_200));
-        assert_eq!((path.sent.len(), path.sent[0].0), (NOTES_MAX, 10));
+        assert_eq!((path.sent.len(), path.sent[0].at_ms), (NOTES_MAX, 10));
         // Datagrams before the first note are unknown.
-        assert!(!path.report(ms(20_000), 600, 0));
+        assert!(!path.report(ms(20_000), 600, 0, 0));
     }
 }

@@ -372,7 +372,7 @@ impl RobotSession {
             self.streams.values_mut().for_each(|stream| stream.set_sends(sends));
             let late_ms = echo.map_or(0, |(_, late_ms)| late_ms);
             let longest = usize::try_from(longest).unwrap_or(usize::MAX);
-            if self.end.path.report(now, longest, newest_ms.saturating_sub(late_ms)) {
+            if self.end.path.report(now, longest, bytes, newest_ms.saturating_sub(late_ms)) {
                 self.streams.values_mut().for_each(Outgoing::datagrams_shortened);
             }
         }

@@ -455,10 +455,10 @@ impl StationSession {
                 self.reached_ms = self.reached_ms.max(Some(newest_ms));
                 self.expire_unheard(at_ms, Duration::from_millis(newest_ms), show);
             }
-            Frame::Arrived { longest, .. } => {
+            Frame::Arrived { bytes, longest } => {
                 let longest = usize::try_from(longest).unwrap_or(usize::MAX);
                 if let Some(echo_ms) = self.echo_ms.take()
-                    && self.end.path.report(now, longest, echo_ms)
+                    && self.end.path.report(now, longest, bytes, echo_ms)
                 {
                     self.commands.shorten(self.command_bytes_max());
                 }
