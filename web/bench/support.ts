@@ -98,7 +98,7 @@ export async function open(sheet: Sheet, size: Size): Promise<number> {
         });
         seen.observe({ type: "measure" });
         const project = page.projects.value[0]?.id;
-        commands.run("file.open", context(), { project, path: name });
+        if (project) commands.run("file.open", context(), { project, path: name });
       }),
     [size, FRAME] as const,
   );

@@ -3,6 +3,11 @@
 import { cpSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import type {
+  CommandArguments,
+  CommandCall,
+  CommandId,
+} from "../../src/store/page/command_arguments.ts";
 import type { App } from "./app.ts";
 import { EXAMPLES } from "./places.ts";
 
@@ -111,9 +116,13 @@ export async function left(app: App, path: string): Promise<void> {
 }
 
 /** Does a command with an argument, as buttons elsewhere in the page do; it has to be possible. */
-export async function perform(app: App, command: string, argument: unknown): Promise<void> {
-  await app.until(
-    (context, [id, given]) => window.__rafcon.commands.run(id as string, context, given),
-    [command, argument] as const,
-  );
+export async function perform<Id extends CommandId>(
+  app: App,
+  command: Id,
+  argument: CommandArguments[Id],
+): Promise<void> {
+  await app.until((context, call) => window.__rafcon.commands.call(call as CommandCall, context), {
+    command,
+    argument,
+  });
 }

@@ -3,6 +3,7 @@
 import { ChevronDown, ChevronUp, Eye, FileWarning, LifeBuoy, Unplug } from "lucide-react";
 import { useEffect, useState } from "react";
 import { agePhrase } from "../panels/parts/age.ts";
+import type { FreeCommandId } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";
 import { Button, IconButton } from "../ui/button.tsx";
@@ -97,7 +98,7 @@ function DiskBar({ tab }: { tab: OpenTab }) {
   const may = useComputed(() => mayEdit(page), [page]);
   const disk = status?.summary.disk ?? "same";
   if (disk === "same") return null;
-  const run = (id: string, argument?: unknown) => commands.run(id, context(), argument);
+  const run = (id: FreeCommandId) => commands.run(id, context());
   const text =
     disk === "missing"
       ? "The files of this machine were deleted from disk. Save to restore them."

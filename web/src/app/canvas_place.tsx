@@ -56,7 +56,7 @@ export function CanvasPlace({ tab }: { tab: OpenTab }) {
     const mounted = mountCanvas(place.current, {
       tab,
       page,
-      run: (command, argument) => void commands.run(command, context(), argument),
+      run: (call) => void commands.call(call, context()),
       runOverlay: () => ({ ...shown.read(), differences: tab.view.marks.value ?? NO_MARKS }),
       menuAt: (at, elements) => setMenu({ at, elements, pointer: mounted.control.pointer() }),
     });

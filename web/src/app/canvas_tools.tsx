@@ -15,13 +15,14 @@ import {
   ZoomIn,
   ZoomOut,
 } from "lucide-react";
+import type { FreeCommandId } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
 
-const MODES: readonly (readonly [string, LucideIcon])[] = [
+const MODES: readonly (readonly [FreeCommandId, LucideIcon])[] = [
   ["view.transitions", ArrowRightLeft],
   ["view.data-flows", Waypoints],
   ["view.names", Tag],
@@ -30,7 +31,7 @@ const MODES: readonly (readonly [string, LucideIcon])[] = [
   ["view.grid", Grid3x3],
 ];
 
-const LOOK: readonly (readonly [string, LucideIcon])[] = [
+const LOOK: readonly (readonly [FreeCommandId, LucideIcon])[] = [
   ["view.zoom-out", ZoomOut],
   ["view.zoom-in", ZoomIn],
   ["view.zoom-selection", ScanSearch],
@@ -46,7 +47,11 @@ export function CanvasTools({ tab }: { tab: OpenTab }) {
   const shown = useShownKey();
   const modes = useSignal(tab.view.modes);
   const some = useComputed(() => tab.view.selection.value.size > 0, [tab]);
-  const button = ([id, Icon]: readonly [string, LucideIcon], pressed?: boolean, words = "") => (
+  const button = (
+    [id, Icon]: readonly [FreeCommandId, LucideIcon],
+    pressed?: boolean,
+    words = "",
+  ) => (
     <IconButton
       key={id}
       label={(commands.get(id)?.title ?? id) + words}

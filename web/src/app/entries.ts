@@ -1,11 +1,12 @@
 /** Commands as entries of menus. */
 
 import { type CommandMenuEntry, entryOf } from "../commands/menus.ts";
+import type { CommandId } from "../store/page/command_arguments.ts";
 import { useKeys } from "./keys_shown.ts";
 import { useSession } from "./provided.tsx";
 
 /** Commands as entries of a menu, as they are when it opens. */
-export function useEntries(ids: readonly string[]): () => readonly CommandMenuEntry[] {
+export function useEntries(ids: readonly CommandId[]): () => readonly CommandMenuEntry[] {
   const { commands, context } = useSession();
   const keys = useKeys();
   return () =>

@@ -26,7 +26,7 @@ export function InsertPalette() {
     <div className="tool-group" role="toolbar" aria-label="Add states">
       {NEW_KINDS.map((kind) => {
         const Icon = KIND_ICONS[kind];
-        const id = `insert.${kind}`;
+        const id = `insert.${kind}` as const;
         const [key] = keys(id);
         return (
           <button

@@ -1,7 +1,7 @@
 /** From keys to commands: letters count on the canvas only, what texts need stays with texts. */
 
 import { computed, type ReadonlySignal } from "@preact/signals-core";
-import { refusalOf } from "../commands/command.ts";
+import { refusalOf, type UserCommand } from "../commands/command.ts";
 import { isCanvasKey, isTextKey, keymap, keyName } from "../commands/keys.ts";
 import { whyDisabled } from "../commands/why.ts";
 import type { AppSession } from "./session.ts";
@@ -61,30 +61,26 @@ export function listenToKeys(session: AppSession, view: Window): () => void {
   const press = (event: KeyboardEvent) => {
     const key = event.defaultPrevented ? null : keyName(event);
     if (key === null || !counts(key, focusOf(event.target))) return;
-    const ids = meant(byKey.peek().get(key) ?? [], event.repeat);
-    for (const id of ids) {
+    const all = (byKey.peek().get(key) ?? []).flatMap((id) => session.commands.find(id) ?? []);
+    // A key that is held makes one state, not one for each repetition.
+    const meant = event.repeat ? all.filter(({ once }) => !once) : all;
+    for (const command of meant) {
       if (focusOf(event.target) === "text") settle(event.target as HTMLElement);
-      if (!session.commands.run(id, session.context())) continue;
+      if (!session.commands.choose(command, session.context())) continue;
       event.preventDefault();
       return;
     }
-    const isReported = !event.repeat && ids.some((id) => tellRefusal(session, id));
+    const isReported = !event.repeat && meant.some((command) => tellRefusal(session, command));
     if (isReported || isOurs(key)) event.preventDefault();
   };
   view.addEventListener("keydown", press);
   return () => view.removeEventListener("keydown", press);
 }
 
-/** The commands that a key is for: a key that is held makes one state, not one for each repetition. */
-function meant(ids: readonly string[], isRepeated: boolean): readonly string[] {
-  return isRepeated ? ids.filter((id) => !/^(insert|arrange)\./.test(id)) : ids;
-}
-
 /** Reports the reason why the command of a key is unavailable; false without a reason. */
-function tellRefusal({ page, commands, context }: AppSession, id: string): boolean {
-  const command = commands.get(id);
-  const refusal = command ? refusalOf(command, context()) : null;
-  if (!command || refusal === null) return false;
+function tellRefusal({ page, context }: AppSession, command: UserCommand): boolean {
+  const refusal = refusalOf(command, context());
+  if (refusal === null) return false;
   const text = refusal === "" ? whyDisabled(command, context()) : refusal;
   if (text === null) return false;
   page.tell({ level: "info", text: `${command.title}: ${text}` });

@@ -121,15 +121,7 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
           label={name}
           at={menu}
           onClose={() => setMenu(null)}
-          items={[
-            "file.save",
-            "file.save-as",
-            "file.reload",
-            "file.compare",
-            "file.close",
-            "file.close-others",
-            "file.close-all",
-          ].flatMap((id) => {
+          items={TAB_COMMANDS.flatMap((id) => {
             const command = commands.get(id);
             return command
               ? [entryOf({ commands, context: context(), keys: () => [] }, command)]
@@ -140,6 +132,16 @@ function MachineTab({ tab, active }: { tab: OpenTab; active: boolean }) {
     </div>
   );
 }
+
+const TAB_COMMANDS = [
+  "file.save",
+  "file.save-as",
+  "file.reload",
+  "file.compare",
+  "file.close",
+  "file.close-others",
+  "file.close-all",
+] as const;
 
 function runningInWords(count: number, isOld: boolean): string {
   const runs = count === 1 ? "a run is active" : `${count} runs are active`;

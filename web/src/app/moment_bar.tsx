@@ -6,6 +6,7 @@ import { duration } from "../panels/parts/duration.ts";
 import { useMoment } from "../panels/parts/moment_words.ts";
 import { timelineOf } from "../panels/timeline/model.ts";
 import type { Watch } from "../store/history/run.ts";
+import type { FreeCommandId } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { gapsOf } from "../store/run/gaps.ts";
 import { Button, IconButton } from "../ui/button.tsx";
@@ -37,7 +38,6 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
   const { index, when, what } = useMoment(tab, watch);
   const snapshot = useSignal(watch.playheadSnapshot);
   const isHere = snapshot?.picture.sequence === playhead;
-  const run = (id: string) => commands.run(id, context());
   const isOver = useSignal(watch.now)?.link === "over";
   return (
     <section className="moment-bar" aria-label="Shown moment">
@@ -59,7 +59,11 @@ function OfMoment({ tab, watch, playhead }: MomentBarProps & { readonly playhead
         <Step id="run.entry-after" icon={<ChevronLast size={16} />} tab={tab} watch={watch} />
       </span>
       <StartFromHere tab={tab} watch={watch} />
-      <Button kind="primary" icon={<Radio size={14} />} onClick={() => run("run.live")}>
+      <Button
+        kind="primary"
+        icon={<Radio size={14} />}
+        onClick={() => commands.run("run.live", context())}
+      >
         {isOver ? "Go to the end" : "Back to live"}
       </Button>
     </section>
@@ -76,15 +80,14 @@ function Ago({ watch, index }: { readonly watch: Watch; readonly index: number }
   return `, ${before} ${now?.link === "over" ? "before the end" : "ago"}`;
 }
 
-function useRefusal(id: string, { tab, watch }: MomentBarProps): string | null {
+function useRefusal(id: FreeCommandId, { tab, watch }: MomentBarProps): string | null {
   const { commands, context } = useSession();
   return useComputed(() => {
     watch.journalVersion.value;
     watch.playhead.value;
     watch.now.value;
     tab.view.selection.value;
-    const command = commands.get(id);
-    return command?.refusal?.(context()) ?? null;
+    return commands.refusalOf(id, context());
   }, [tab, watch, commands, context, id]);
 }
 
@@ -92,7 +95,7 @@ function Step({
   id,
   icon,
   ...of
-}: MomentBarProps & { readonly id: string; readonly icon: ReactNode }) {
+}: MomentBarProps & { readonly id: FreeCommandId; readonly icon: ReactNode }) {
   const { commands, context } = useSession();
   const keys = useKeys()(id)[0];
   const refusal = useRefusal(id, of);

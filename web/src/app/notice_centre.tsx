@@ -169,7 +169,7 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
             <Button
               onClick={() => {
                 close();
-                session.commands.run(action.command, session.context(), action.argument);
+                session.commands.call(action, session.context());
               }}
             >
               {action.title}

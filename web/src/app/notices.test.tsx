@@ -26,8 +26,8 @@ function shown() {
   const page = { ...plain, notices, droppedNotices } as unknown as Page;
   const session = newSession(page, allCommands());
   const run: string[] = [];
-  session.commands.run = (id, _, argument) => {
-    run.push(`${id} ${JSON.stringify(argument)}`);
+  session.commands.call = ({ command, argument }) => {
+    run.push(`${command} ${JSON.stringify(argument)}`);
     return true;
   };
   const place = mount(

@@ -2,6 +2,7 @@
 
 import { Command as CommandSign, Library, Search, Workflow } from "lucide-react";
 import { type KeyboardEvent, useEffect, useId, useMemo, useRef, useState } from "react";
+import type { CommandChoice } from "../commands/command.ts";
 import { refusalOf } from "../commands/command.ts";
 import { shownKey } from "../commands/keys.ts";
 import type { LibraryNode } from "../model/generated/protocol.ts";
@@ -160,7 +161,7 @@ function Sign({ item }: { item: PaletteItem }) {
 function keyOf({ found, title }: PaletteItem): string {
   switch (found.kind) {
     case "command":
-      return `command:${found.id}:${title}`;
+      return `command:${found.command.id}:${title}`;
     case "library":
       return `library:${found.path}/${found.name}`;
     case "machine":
@@ -196,8 +197,8 @@ function commandItems(
     const disabled = refusalOf(command, now) !== null;
     const [key] = keys(command.id);
     const menu = command.menu?.split("/")[0] ?? "";
-    const item = (title: string, argument?: unknown): PaletteItem => ({
-      found: { kind: "command", id: command.id, argument },
+    const item = (title: string, choice?: CommandChoice): PaletteItem => ({
+      found: { kind: "command", command, ...(choice ? { choice } : {}) },
       title,
       detail: command.detail ?? menu,
       keys: key === undefined ? undefined : shownKey(key),
@@ -207,7 +208,7 @@ function commandItems(
     if (!choices) return [item(command.title)];
     return choices
       .filter((choice) => !choice.disabled)
-      .map((choice) => item(`${command.title}: ${choice.title}`, choice.argument));
+      .map((choice) => item(`${command.title}: ${choice.title}`, choice));
   });
 }
 
@@ -260,7 +261,7 @@ function goTo(session: AppSession, { found }: PaletteItem): void {
   const { commands, context, page, canvas } = session;
   switch (found.kind) {
     case "command":
-      commands.run(found.id, context(), found.argument);
+      commands.choose(found.command, context(), found.choice);
       return;
     case "machine":
       commands.run("file.open", context(), { project: found.project, path: found.path });

@@ -1,9 +1,16 @@
 import { expect, test } from "vitest";
 import { type FindStates, type PaletteItem, searched } from "./palette_index.ts";
 
+const UNDO = { id: "edit.undo", title: "Undo", run: () => {} } as const;
+
 const ITEMS: readonly PaletteItem[] = [
-  { found: { kind: "command", id: "edit.undo" }, title: "Undo", detail: "Edit" },
-  { found: { kind: "command", id: "x" }, title: "Ungroup", detail: "Arrange", disabled: true },
+  { found: { kind: "command", command: UNDO }, title: "Undo", detail: "Edit" },
+  {
+    found: { kind: "command", command: UNDO },
+    title: "Ungroup",
+    detail: "Arrange",
+    disabled: true,
+  },
   { found: { kind: "library", path: "generic", name: "wait" }, title: "wait", detail: "generic" },
 ];
 

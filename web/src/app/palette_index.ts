@@ -1,9 +1,10 @@
 /** Search results of the palette: commands, states of the current machine, machines and libraries, the best first. Pure. */
 
 import fuzzysort from "fuzzysort";
+import type { CommandChoice, UserCommand } from "../commands/command.ts";
 
 type PaletteHit =
-  | { readonly kind: "command"; readonly id: string; readonly argument?: unknown }
+  | { readonly kind: "command"; readonly command: UserCommand; readonly choice?: CommandChoice }
   | { readonly kind: "state"; readonly path: string }
   | { readonly kind: "machine"; readonly project: string; readonly path: string }
   | { readonly kind: "library"; readonly path: string; readonly name: string };

@@ -13,6 +13,7 @@ import {
 } from "lucide-react";
 import { type ReactNode, useRef, useState } from "react";
 import { useRefusalOf } from "../panels/context.tsx";
+import type { FreeCommandId } from "../store/page/command_arguments.ts";
 import { liveRun, runningBeside, snapshotOf } from "../store/run/running.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { ContextMenu } from "../ui/menu.tsx";
@@ -83,7 +84,7 @@ function Steps() {
 }
 
 interface RunButtonProps {
-  readonly id: string;
+  readonly id: FreeCommandId;
   /** The command whose shortcut applies, if it is another. */
   readonly keysOf?: string;
   readonly icon: ReactNode;

@@ -3,6 +3,7 @@
 
 import { GitCompareArrows, Skull, TriangleAlert } from "lucide-react";
 import { useEffect, useState } from "react";
+import type { OnCrash } from "../model/generated/protocol.ts";
 import { joinFew } from "../model/join_few.ts";
 import { namesTo } from "../model/machine.ts";
 import { useRefusalOf } from "../panels/context.tsx";
@@ -58,7 +59,8 @@ function CrashBar({ tab, watch }: RunBarProps) {
   const refusal = useRefusalOf("run.resume-crashed");
   const where = useComputed(() => placesInWords(tab, watch), [tab, watch]);
   if (!isCrashed) return null;
-  const run = (policy?: string) => () => void commands.run("run.resume-crashed", context(), policy);
+  const run = (policy?: OnCrash) => () =>
+    void commands.run("run.resume-crashed", context(), policy);
   const isFront = page.active.peek() === tab;
   const off = { disabled: !isFront || refusal !== null, title: refusal ?? undefined };
   return (

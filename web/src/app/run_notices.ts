@@ -60,7 +60,7 @@ function tellOfRun(session: AppSession, tab: OpenTab, watch: Watch): () => void 
   const tell: Tell = ({ topic, level, text, title }) => {
     const isSeen = page.active.peek()?.run.peek() === watch && dock.peek().isInSight(MISSION_PANEL);
     if (isSeen) return;
-    const action = { title, command: "mission.show", argument: watch.id };
+    const action = { title, command: "mission.show", argument: watch.id } as const;
     const passing = { topic: `${watch.id} ${topic}`, machine: tab.session.id };
     page.tell({ level, text, action, passing });
   };
@@ -156,7 +156,11 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
     for (const longer of alarms.due(all, clock1s.value)) {
       void nameSoon(session, longer.path).then((name) => {
         const text = longerInWords(name, longer);
-        const action = { title: "Mission control", command: "mission.show", argument: watch.id };
+        const action = {
+          title: "Mission control",
+          command: "mission.show",
+          argument: watch.id,
+        } as const;
         page.tell({ level: "warning", text, action });
       });
     }

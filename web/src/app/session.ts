@@ -8,10 +8,15 @@ import { withStateNames } from "../store/page/names.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import type { UserQuestion } from "./question.ts";
 
+/** Dialogs of commands, and the questions of the shell. */
+export interface AllDialogs extends Dialogs {
+  readonly question: { readonly asks: UserQuestion; readonly answer: string | boolean };
+}
+
 /** A dialog that is open. */
 export interface OpenDialog {
   readonly id: number;
-  readonly name: keyof Dialogs | "question";
+  readonly name: keyof AllDialogs;
   readonly asks: unknown;
   readonly answer: (answer: unknown) => void;
 }
@@ -72,7 +77,7 @@ export function newSession(page: Page, commands: Commands): AppSession {
     choose: async <T extends string>(question: Omit<UserQuestion & { kind: "choose" }, "kind">) =>
       (await ask({ kind: "choose", ...question })) as T | null,
     prompt: async (question) => (await ask({ kind: "prompt", ...question })) as string | null,
-    dialog: async (name, argument) => (await open(name, argument)) as never,
+    dialog: open,
     showPanel: (panel) => dock.peek().showPanel(panel),
     openPalette: (query = "") => {
       palette.value = query;
@@ -101,13 +106,13 @@ function withNames({ tabs, active }: Page, question: UserQuestion): UserQuestion
 /** Opens dialogs one upon the other, and closes each when it is answered. */
 function dialogOpener(dialogs: Signal<readonly OpenDialog[]>) {
   let count = 0;
-  return (name: OpenDialog["name"], asks: unknown) =>
-    new Promise<unknown>((resolve) => {
+  return <N extends keyof AllDialogs>(name: N, asks: AllDialogs[N]["asks"]) =>
+    new Promise<AllDialogs[N]["answer"] | null>((resolve) => {
       count += 1;
       const id = count;
       const answer = (given: unknown) => {
         dialogs.value = dialogs.peek().filter((other) => other.id !== id);
-        resolve(given);
+        resolve(given as AllDialogs[N]["answer"] | null);
       };
       dialogs.value = [...dialogs.peek(), { id, name, asks, answer }];
     });

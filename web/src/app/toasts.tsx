@@ -151,7 +151,7 @@ function Toast({ notice, onTimeout, onClose }: ToastProps) {
         <Button
           onClick={() => {
             onClose();
-            commands.run(action.command, context(), action.argument);
+            commands.call(action, context());
           }}
         >
           {action.title}

@@ -9,6 +9,7 @@ import { move as movePlan } from "../plan/move.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { rename as renamePlan } from "../plan/states.ts";
 import { applyPlan } from "../store/page/apply_plan.ts";
+import type { CommandCall } from "../store/page/command_arguments.ts";
 import type { Dragged } from "../store/page/dragged.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import { whyFixed } from "../store/page/rights.ts";
@@ -48,7 +49,7 @@ export interface InteractionHost {
   readonly fly: (to: Camera) => void;
   /** Goal of the camera's flight; the current camera without a flight. */
   readonly heading: () => Camera;
-  readonly run: (command: string, argument?: unknown) => void;
+  readonly run: (call: CommandCall) => void;
   /** Shows the reason why an action is impossible. */
   readonly refuse: (reason: string) => void;
   readonly rename: (path: string) => void;
@@ -459,7 +460,7 @@ export class InteractionController {
     const { view } = this.#host.tab;
     if (result.select) select(view, result.select);
     if (result.toggle) toggle(view, result.toggle);
-    if (result.run) this.#host.run(result.run.command, result.run.argument);
+    if (result.run) this.#host.run(result.run);
     if (result.plan) this.apply(result.plan);
   }
 

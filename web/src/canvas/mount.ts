@@ -6,6 +6,7 @@ import { type ElementRef, keyOf } from "../model/element.ts";
 import type { Point } from "../model/geometry.ts";
 import { isRefused } from "../plan/plan.ts";
 import { rename } from "../plan/states.ts";
+import type { CommandCall } from "../store/page/command_arguments.ts";
 import { dragged } from "../store/page/dragged.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
@@ -29,7 +30,7 @@ interface MountOptions {
   readonly tab: OpenTab;
   readonly page: Page;
   /** Runs a command by its id. */
-  readonly run: (command: string, argument?: unknown) => void;
+  readonly run: (call: CommandCall) => void;
   /** Opens the menu of elements; the point is in CSS pixels of the window. */
   readonly menuAt: (at: Point, elements: readonly ElementRef[]) => void;
   readonly runOverlay?: () => RunOverlay;

@@ -21,7 +21,7 @@ async function laidOut(command: string, ...selected: readonly string[]): Promise
   vi.mocked(layOut).mockClear();
   const keys = selected.map((path) => `state:${path}` as const);
   const context = testContext(MACHINE, { selected: keys });
-  await allCommands().get(`arrange.${command}`)?.run(context, undefined);
+  await allCommands().find(`arrange.${command}`)?.run(context, undefined);
   const levels = vi.mocked(layOut).mock.calls.map(([graph]) => graph.children ?? []);
   return levels.map((children) => children.map(({ id }) => id).join(" ")).join(", ");
 }

@@ -19,6 +19,7 @@ import { libraryState } from "../plan/newcomers.ts";
 import { isRefused, type Planned, refused } from "../plan/plan.ts";
 import { changeKind, clearStart, setStart } from "../plan/states.ts";
 import { ungroup } from "../plan/ungroup.ts";
+import type { Substitution } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
 import { stageOf } from "./edit.ts";
@@ -101,7 +102,7 @@ const TOGETHER: readonly UserCommand[] = [
         disabled: kindOfOnly(context) === kind,
       })),
     run: (context, argument) =>
-      onState(context, (m, path) => changeKind(m, path, argument as StateKind)),
+      argument && onState(context, (m, path) => changeKind(m, path, argument)),
   },
   {
     id: "arrange.start-state",
@@ -156,14 +157,7 @@ function isStart(context: CommandContext): boolean {
   return path !== null && container !== undefined && startOf(container)?.to_state === idOf(path);
 }
 
-/** Arguments of a substitution: the state, by default the selected one, and the library. */
-interface Substitution {
-  readonly path?: string;
-  readonly library?: { readonly path: string; readonly name: string };
-}
-
-async function substituteByLibrary(context: CommandContext, argument: unknown): Promise<void> {
-  const given = argument as Substitution | undefined;
+async function substituteByLibrary(context: CommandContext, given?: Substitution): Promise<void> {
   const path = given?.path ?? onlyState(context);
   const old = path === null ? undefined : machineOf(context)?.state(path);
   if (path === null || !old) return;
@@ -189,12 +183,12 @@ async function substituteByLibrary(context: CommandContext, argument: unknown): 
   });
 }
 
-async function substituteByContent(context: CommandContext, argument: unknown): Promise<void> {
+async function substituteByContent(context: CommandContext, keepsName = true): Promise<void> {
   const path = onlyState(context);
   const library = path === null ? undefined : machineOf(context)?.state(path)?.library;
   if (path === null || !library) return;
   const { states } = await libraryMachine(context, library);
-  await perform(context, (m) => substitute(m, path, states, argument !== false));
+  await perform(context, (m) => substitute(m, path, states, keepsName));
 }
 
 const ALIGNMENTS: readonly (readonly [Alignment, string])[] = [
@@ -215,7 +209,7 @@ const LINED_UP: readonly UserCommand[] = [
       title: `Align: ${title.toLowerCase()}`,
       menu: LINE_UP,
       enabled: (context) => canEdit(context) && siblings(context, 2),
-      run: (context) => perform(context, (m) => align(m, states(context), to)),
+      run: (context: CommandContext) => perform(context, (m) => align(m, states(context), to)),
     }),
   ),
   ...(["horizontal", "vertical"] as const).map(
@@ -224,7 +218,8 @@ const LINED_UP: readonly UserCommand[] = [
       title: `Distribute ${along}ly`,
       menu: LINE_UP,
       enabled: (context) => canEdit(context) && siblings(context, 3),
-      run: (context) => perform(context, (m) => distribute(m, states(context), along)),
+      run: (context: CommandContext) =>
+        perform(context, (m) => distribute(m, states(context), along)),
     }),
   ),
 ];
@@ -379,4 +374,9 @@ function rgbOfCss(css: string | undefined): Rgb | null {
   return red === undefined || green === undefined || blue === undefined ? null : [red, green, blue];
 }
 
-export const ARRANGE: readonly UserCommand[] = [...TOGETHER, ...LINED_UP, ...LAID_OUT, ...LOOKS];
+export const ARRANGE: readonly UserCommand[] = [
+  ...TOGETHER,
+  ...LINED_UP,
+  ...LAID_OUT,
+  ...LOOKS,
+].map((command) => ({ ...command, edits: true, once: true }));

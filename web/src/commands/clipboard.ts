@@ -7,9 +7,7 @@ import { type Clip, type CopiedWaypoints, clipOf } from "../plan/clipboard.ts";
 import type { InterfacePart } from "../plan/parts.ts";
 import { isRefused } from "../plan/plan.ts";
 import { BROWSER_STORE, kept } from "../store/local_store.ts";
-
-/** As much of a drag's or paste's data as is needed. */
-export type TextTransfer = Pick<DataTransfer, "getData" | "setData">;
+import type { TextTransfer } from "../store/page/command_arguments.ts";
 
 /** Storage key of copies while the browser grants no clipboard. Other tabs of this browser read it. */
 const STAND_IN = "rafcon.clipboard";
@@ -86,10 +84,4 @@ export async function read(transfer: TextTransfer | null): Promise<Clip | null> 
   if (transfer) return clipIn(transfer.getData("text/plain"));
   const text = await navigator.clipboard?.readText().catch(() => undefined);
   return text === undefined ? clipOfWritten(kept(BROWSER_STORE, STAND_IN) ?? {}) : clipIn(text);
-}
-
-/** The data of an event that a command was run with, if it was. */
-export function transferOf(argument: unknown): TextTransfer | null {
-  const isTransfer = typeof argument === "object" && argument !== null && "getData" in argument;
-  return isTransfer ? (argument as TextTransfer) : null;
 }

@@ -3,6 +3,12 @@
 import type { CanvasControl } from "../canvas/control.ts";
 import type { Breakpoint, MachineFile, OnCrash } from "../model/generated/protocol.ts";
 import type { Start, Watch } from "../store/history/run.ts";
+import type {
+  ArgumentOf,
+  CommandArguments,
+  CommandCall,
+  CommandId,
+} from "../store/page/command_arguments.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 
 /** The menus of the bar, in order. */
@@ -15,10 +21,10 @@ export type MenuPlace =
   | `${(typeof MENUS)[number]}/${number}/${string}`;
 
 /** One of several things that a command can be done with. */
-export interface CommandChoice {
+export interface CommandChoice<Argument = unknown> {
   readonly title: string;
   readonly detail?: string;
-  readonly argument: unknown;
+  readonly argument: Argument;
   readonly checked?: boolean;
   readonly disabled?: boolean;
 }
@@ -125,9 +131,12 @@ export interface CommandContext {
   readonly shell: Shell;
 }
 
-export interface UserCommand {
+/** A command, whatever its argument. */
+export type UserCommand = { readonly [Id in CommandId]: CommandOf<Id> }[CommandId];
+
+export interface CommandOf<Id extends CommandId> {
   /** `edit.delete`: words that stay. */
-  readonly id: string;
+  readonly id: Id;
   /** Label in menus and palette, such as "Delete". */
   readonly title: string;
   /** One sentence more, for tooltips and the palette. */
@@ -137,27 +146,31 @@ export interface UserCommand {
   /** Keys of the map for those who come from the reference. */
   readonly classic?: readonly string[];
   readonly menu?: MenuPlace;
+  /** True if it edits the machine, which needs the right to do so. */
+  readonly edits?: boolean;
+  /** True if a key that is held runs it once only. */
+  readonly once?: boolean;
   /** True if the command is available; always by default. */
   readonly enabled?: (context: CommandContext) => boolean;
   /** Instruction while `enabled` is false, such as "select a state first". */
   readonly needs?: string;
   /** Reason and remedy while the command is unavailable; null if it is available. For commands whose reasons are not obvious. */
-  readonly refusal?: (context: CommandContext, argument?: unknown) => string | null;
+  readonly refusal?: (
+    context: CommandContext,
+    argument: CommandArguments[Id] | undefined,
+  ) => string | null;
   /** For switches: whether it is on. */
   readonly checked?: (context: CommandContext) => boolean;
   /** Choices of the argument: a submenu whose entries run the command. */
-  readonly choices?: (context: CommandContext) => readonly CommandChoice[];
-  readonly run: (context: CommandContext, argument?: unknown) => unknown;
+  readonly choices?: (context: CommandContext) => readonly CommandChoice<CommandArguments[Id]>[];
+  /** A key runs it without an argument, whatever its type. */
+  readonly run: (context: CommandContext, argument: CommandArguments[Id] | undefined) => unknown;
 }
 
-/** Reason why the command is unavailable, empty if it is obvious; null if it is available. */
-export function refusalOf(
-  command: UserCommand,
-  context: CommandContext,
-  argument?: unknown,
-): string | null {
+/** Reason why the command is unavailable without an argument, empty if it is obvious; null if it is available. */
+export function refusalOf(command: UserCommand, context: CommandContext): string | null {
   if (command.enabled?.(context) === false) return "";
-  return command.refusal?.(context, argument) ?? null;
+  return command.refusal?.(context, undefined) ?? null;
 }
 
 /** All commands by id, in the order in which menus show them. */
@@ -165,7 +178,7 @@ export class Commands {
   readonly #all = new Map<string, UserCommand>();
 
   /** Reason why a command cannot be run; null if it can. Unknown commands are refused without a reason. */
-  refusalOf(id: string, context: CommandContext): string | null {
+  refusalOf(id: CommandId, context: CommandContext): string | null {
     const command = this.#all.get(id);
     return command ? refusalOf(command, context) : "";
   }
@@ -178,7 +191,12 @@ export class Commands {
     }
   }
 
-  get(id: string): UserCommand | undefined {
+  get(id: CommandId): UserCommand | undefined {
+    return this.#all.get(id);
+  }
+
+  /** The command of an id from outside, such as from settings. */
+  find(id: string): UserCommand | undefined {
     return this.#all.get(id);
   }
 
@@ -187,16 +205,37 @@ export class Commands {
   }
 
   /** Runs an available command; false if it is unknown or unavailable. Errors are reported to the user. */
-  run(id: string, context: CommandContext, argument?: unknown): boolean {
+  run<Id extends CommandId>(
+    id: Id,
+    context: CommandContext,
+    ...[argument]: ArgumentOf<Id>
+  ): boolean {
     const command = this.#all.get(id);
+    return command !== undefined && this.#run(command, context, argument);
+  }
+
+  /** Runs a command that was found by its properties, with one of its choices. */
+  choose(command: UserCommand, context: CommandContext, choice?: CommandChoice): boolean {
+    return this.#run(command, context, choice?.argument);
+  }
+
+  /** Runs a command that was stored as data. */
+  call({ command: id, argument }: CommandCall, context: CommandContext): boolean {
+    const command = this.#all.get(id);
+    return command !== undefined && this.#run(command, context, argument);
+  }
+
+  /** The callers have checked that the argument belongs to the command. */
+  #run(command: UserCommand, context: CommandContext, argument: unknown): boolean {
     context.canvas?.flush();
-    if (!command || refusalOf(command, context, argument) !== null) return false;
+    if (command.enabled?.(context) === false) return false;
+    if ((command.refusal?.(context, argument as undefined) ?? null) !== null) return false;
     const failed = (error: unknown) => {
       const text = error instanceof Error ? error.message : String(error);
       context.page.tell({ level: "error", text: `${command.title}: ${text}` });
     };
     try {
-      Promise.resolve(command.run(context, argument)).catch(failed);
+      Promise.resolve(command.run(context, argument as undefined)).catch(failed);
     } catch (error) {
       failed(error);
     }

@@ -46,7 +46,7 @@ function moves(control: Partial<Control>, rights: readonly Right[] = ["command"]
   const names = ["request", "withdraw", "accept", "decline", "hand-over", "release", "override"];
   return names
     .filter((name) => {
-      const command = all.get(`control.${name}`);
+      const command = all.find(`control.${name}`);
       return command && refusalOf(command, context) === null;
     })
     .join(" ");

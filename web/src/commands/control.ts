@@ -68,16 +68,15 @@ async function move({ tab }: CommandContext, wanted: ControlMove): Promise<void>
   await tab?.run.peek()?.control(wanted);
 }
 
-async function handOver({ tab, shell }: CommandContext, argument: unknown): Promise<void> {
+async function handOver({ tab, shell }: CommandContext, argument?: string): Promise<void> {
   const watch = tab?.run.peek();
   const to =
-    typeof argument === "string"
-      ? argument
-      : await shell.prompt({
-          title: "Hand control over",
-          label: "User",
-          check: (text) => (text.trim() === "" ? "Hands control to a user." : null),
-        });
+    argument ??
+    (await shell.prompt({
+      title: "Hand control over",
+      label: "User",
+      check: (text) => (text.trim() === "" ? "Hands control to a user." : null),
+    }));
   if (to) await watch?.control({ move: "hand_over", to: to.trim() });
 }
 
@@ -96,7 +95,7 @@ async function override({ page, tab, shell }: CommandContext): Promise<void> {
   if (isSure) await watch.control({ move: "override" });
 }
 
-function askers({ tab }: CommandContext): readonly CommandChoice[] {
+function askers({ tab }: CommandContext): readonly CommandChoice<string>[] {
   const requests = tab?.run.value?.now.value?.control.requests ?? [];
   return requests.map((user) => ({ title: user, detail: "asks for control", argument: user }));
 }

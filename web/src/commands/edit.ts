@@ -9,9 +9,10 @@ import { duplicate, pasteClip } from "../plan/clipboard.ts";
 import { isRefused } from "../plan/plan.ts";
 import { renameOutcome, renamePort } from "../plan/ports.ts";
 import { removeElements } from "../plan/states.ts";
+import type { TextTransfer } from "../store/page/command_arguments.ts";
 import { searchRevealRequest } from "../store/page/reveal_requests.ts";
 import { select, selected } from "../store/page/view.ts";
-import { copyElements, NOTHING_COPIED, read, transferOf } from "./clipboard.ts";
+import { copyElements, NOTHING_COPIED, read } from "./clipboard.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { perform } from "./perform.ts";
 import { canEdit, containerOf, elements, ownerForNew, placeForNew, states } from "./subject.ts";
@@ -23,6 +24,7 @@ const hasStates = (context: CommandContext) => canEdit(context) && states(contex
 export const EDIT: readonly UserCommand[] = [
   {
     id: "edit.undo",
+    edits: true,
     title: "Undo",
     detail: "Undoes your own last step.",
     keys: ["Ctrl+Z"],
@@ -32,6 +34,7 @@ export const EDIT: readonly UserCommand[] = [
   },
   {
     id: "edit.redo",
+    edits: true,
     title: "Redo",
     keys: ["Ctrl+Y", "Ctrl+Shift+Z"],
     menu: "Edit/1",
@@ -40,6 +43,7 @@ export const EDIT: readonly UserCommand[] = [
   },
   {
     id: "edit.cut",
+    edits: true,
     title: "Cut",
     keys: ["Ctrl+X"],
     menu: "Edit/2",
@@ -47,7 +51,8 @@ export const EDIT: readonly UserCommand[] = [
     enabled: canChange,
     run: async (context, argument) => {
       const cut = elements(context);
-      if (await copy(context, argument)) await perform(context, (m) => removeElements(m, cut));
+      if (await copy(context, argument ?? null))
+        await perform(context, (m) => removeElements(m, cut));
     },
   },
   {
@@ -57,10 +62,11 @@ export const EDIT: readonly UserCommand[] = [
     menu: "Edit/2",
     needs: "select something first",
     enabled: hasSelection,
-    run: copy,
+    run: (context, argument) => copy(context, argument ?? null),
   },
   {
     id: "edit.paste",
+    edits: true,
     title: "Paste",
     detail:
       "Pastes states at the pointer or into the selected container, ports and outcomes into the state.",
@@ -69,13 +75,14 @@ export const EDIT: readonly UserCommand[] = [
     enabled: canEdit,
     run: async (context, argument) => {
       const goal = { container: placeForNew(context), owner: ownerForNew(context) };
-      const clip = await read(transferOf(argument));
+      const clip = await read(argument ?? null);
       if (clip) await perform(context, (m) => pasteClip(m, clip, goal));
       else context.page.tell({ level: "info", text: NOTHING_COPIED });
     },
   },
   {
     id: "edit.duplicate",
+    edits: true,
     title: "Duplicate",
     keys: ["Ctrl+D"],
     classic: ["Ctrl+Shift+D"],
@@ -90,13 +97,14 @@ export const EDIT: readonly UserCommand[] = [
   },
   {
     id: "edit.delete",
+    edits: true,
     title: "Delete",
     keys: ["Delete", "Backspace"],
     menu: "Edit/2",
     needs: "select something first",
     enabled: canChange,
     run: (context, argument) => {
-      const gone = (argument as readonly ElementRef[] | undefined) ?? elements(context);
+      const gone = argument ?? elements(context);
       return perform(context, (m) => removeElements(m, gone));
     },
   },
@@ -138,6 +146,7 @@ export const EDIT: readonly UserCommand[] = [
   },
   {
     id: "edit.rename",
+    edits: true,
     title: "Rename",
     keys: ["F2"],
     menu: "Edit/4",
@@ -179,10 +188,10 @@ export function besides(machine: Machine, paths: readonly string[]): Point {
   return steps.find(isFree) ?? { x: shift, y: shift };
 }
 
-async function copy(context: CommandContext, argument: unknown): Promise<boolean> {
+async function copy(context: CommandContext, transfer: TextTransfer | null): Promise<boolean> {
   const { page, tab } = context;
   if (!tab) return false;
-  const refusal = await copyElements(tab.session.machine, selected(tab.view), transferOf(argument));
+  const refusal = await copyElements(tab.session.machine, selected(tab.view), transfer);
   if (refusal !== null) page.tell({ level: "warning", text: refusal });
   return refusal === null;
 }

@@ -1,7 +1,6 @@
 /** Commands of the File menu: open, save and close machines. */
 
 import type { MachineFile, MachineSummary } from "../model/generated/protocol.ts";
-import type { OpenTab } from "../store/page/page.ts";
 import { mayEdit } from "../store/page/rights.ts";
 import type { Link } from "../store/page/server.ts";
 import { RefusalError } from "../store/page/server.ts";
@@ -35,7 +34,7 @@ export const FILE: readonly UserCommand[] = [
     keys: ["Ctrl+O"],
     menu: "File/1",
     run: async ({ page, shell }, argument) => {
-      const file = (argument as MachineFile | undefined) ?? (await shell.dialog("open", undefined));
+      const file = argument ?? (await shell.dialog("open", undefined));
       if (!file) return;
       await page.open(file);
     },
@@ -52,7 +51,8 @@ export const FILE: readonly UserCommand[] = [
         argument: file,
       })),
     run: async ({ page }, argument) => {
-      const file = argument as MachineFile;
+      const file = argument;
+      if (!file) return;
       try {
         await page.open(file);
       } catch (error) {
@@ -63,6 +63,7 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.save",
+    edits: true,
     title: "Save",
     keys: ["Ctrl+S"],
     menu: "File/2",
@@ -71,6 +72,7 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.save-as",
+    edits: true,
     title: "Save as…",
     detail: "Saves the machine in another folder and continues there.",
     keys: ["Ctrl+Shift+S"],
@@ -80,6 +82,7 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.save-copy",
+    edits: true,
     title: "Save a copy…",
     detail: "Saves the machine in another folder and continues here.",
     keys: ["Ctrl+Shift+Alt+S"],
@@ -89,6 +92,7 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.save-state",
+    edits: true,
     title: "Save state as machine or library…",
     detail: "Saves the selected state and its content as a separate machine.",
     keys: ["Ctrl+Alt+S"],
@@ -99,6 +103,7 @@ export const FILE: readonly UserCommand[] = [
   },
   {
     id: "file.save-all",
+    edits: true,
     title: "Save all",
     menu: "File/2",
     enabled: ({ page }) => mayEdit(page) && page.tabs.value.some(isChanged),
@@ -171,7 +176,7 @@ export const FILE: readonly UserCommand[] = [
     menu: "File/4",
     enabled: isOpen,
     run: async (context, argument) => {
-      const tab = (argument as OpenTab | undefined) ?? context.tab;
+      const tab = argument ?? context.tab;
       if (tab) await closeTab(context, tab);
     },
   },
@@ -181,7 +186,7 @@ export const FILE: readonly UserCommand[] = [
     menu: "File/4",
     enabled: ({ page }) => page.tabs.value.length > 1,
     run: async (context, argument) => {
-      const kept = (argument as OpenTab | undefined) ?? context.tab;
+      const kept = argument ?? context.tab;
       for (const tab of context.page.tabs.peek()) {
         if (tab !== kept && !(await closeTab(context, tab))) return;
       }

@@ -18,10 +18,10 @@ async function done(
   argument?: unknown,
 ): Promise<string[]> {
   const context = testContext(machine, options);
-  const command = allCommands().get(id);
+  const command = allCommands().find(id);
   if (!command || command.enabled?.(context) === false) return ["cannot"];
   try {
-    await command.run(context, argument);
+    await command.run(context, argument as undefined);
   } catch (error) {
     context.record.push(`failed ${String(error)}`);
   }
@@ -132,7 +132,9 @@ test("a library state keeps the version that it is made with, however it comes i
       return Promise.resolve({ revision: 2 });
     };
     Object.assign(context.tab.session, { edit });
-    await allCommands().get(id)?.run(context, argument);
+    await allCommands()
+      .find(id)
+      ?.run(context, argument as undefined);
     return edits.map((each) => /"version":"([^"]*)"/.exec(each)?.[1]);
   };
   expect(await made("insert.library", "state:R", undefined)).toEqual(["1.0"]);

@@ -9,7 +9,7 @@ export const HELP: readonly UserCommand[] = [
     detail: "Finds commands, states, machines and libraries.",
     keys: ["Ctrl+K"],
     menu: "Help/1",
-    run: ({ shell }, argument) => shell.openPalette(argument as string | undefined),
+    run: ({ shell }, argument) => shell.openPalette(argument),
   },
   {
     id: "help.commands",

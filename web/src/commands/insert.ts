@@ -9,7 +9,8 @@ import { insertState, middleOf } from "../plan/insert.ts";
 import { type Planned, refused } from "../plan/plan.ts";
 import { addOutcome, addPort } from "../plan/ports.ts";
 import { addLibrary, addState } from "../plan/states.ts";
-import type { CommandContext, UserCommand } from "./command.ts";
+import type { InsertLibrary } from "../store/page/command_arguments.ts";
+import type { CommandContext, CommandOf, UserCommand } from "./command.ts";
 import { perform } from "./perform.ts";
 import { canEdit, elements, kindOfOnly, machineOf, onlyState, placeForNew } from "./subject.ts";
 
@@ -22,32 +23,22 @@ const KINDS = [
 
 const canPlace = (context: CommandContext) => canEdit(context) && placeForNew(context) !== null;
 
-const STATES: readonly UserCommand[] = KINDS.map(([kind, title, keys, classic]) => ({
-  id: `insert.${kind}`,
-  title,
-  detail: "Adds the state at the pointer, or to the selected container.",
-  keys,
-  classic,
-  menu: "Insert/1",
-  enabled: canPlace,
-  run: (context) => addHere(context, kind),
-}));
+const STATES = KINDS.map(
+  ([kind, title, keys, classic]): UserCommand => ({
+    id: `insert.${kind}`,
+    title,
+    detail: "Adds the state at the pointer, or to the selected container.",
+    keys,
+    classic,
+    menu: "Insert/1",
+    enabled: canPlace,
+    run: (context: CommandContext) => addHere(context, kind),
+  }),
+);
 
 function addHere(context: CommandContext, kind: Exclude<StateKind, "library" | "decider">) {
   const place = placeForNew(context);
   return place && perform(context, (m) => addState(m, place.path, kind, place.at));
-}
-
-/** Arguments of an inserted library: its path, and the position of a drop. */
-interface InsertLibrary {
-  /** A library root and the folders below it. */
-  readonly path: string;
-  readonly name: string;
-  readonly version?: string | null;
-  readonly container?: string;
-  readonly at?: Point;
-  /** The transition of the container into which it was dropped. */
-  readonly transition?: number;
 }
 
 const LIBRARIES: readonly UserCommand[] = [
@@ -90,7 +81,7 @@ function withRoot(
 
 async function withLibrary(
   context: CommandContext,
-  argument: unknown,
+  given: InsertLibrary | undefined,
   plan: (
     machine: Machine,
     place: Place,
@@ -98,7 +89,6 @@ async function withLibrary(
     states: readonly StateDocument[],
   ) => Planned | null,
 ): Promise<void> {
-  const given = argument as InsertLibrary | undefined;
   const free = placeForNew(context);
   const place =
     given?.container === undefined
@@ -147,7 +137,7 @@ function port(
   classic: readonly string[],
 ): UserCommand {
   return {
-    id: `insert.${kind.replace("_", "-")}`,
+    id: kind === "scoped_variable" ? "insert.scoped-variable" : `insert.${kind}`,
     title,
     keys,
     classic,
@@ -162,7 +152,7 @@ function port(
       const fits = kind !== "scoped_variable" || (state !== undefined && isContainer(state));
       return hasOwner(context) && fits;
     },
-    run: (context) => {
+    run: (context: CommandContext) => {
       const path = owner(context);
       return path === null ? undefined : perform(context, (m) => addPort(m, path, kind));
     },
@@ -189,7 +179,7 @@ const PORTS: readonly UserCommand[] = [
 ];
 
 function helper(
-  id: string,
+  id: "transition-from-sibling" | "transition-to-sibling" | "transition-to-parent",
   title: string,
   classic: string,
   plan: (machine: Machine, path: string) => Planned,
@@ -200,7 +190,7 @@ function helper(
     classic: [classic],
     menu: "Insert/3",
     enabled: (context) => canEdit(context) && onlyState(context) !== null,
-    run: (context) => {
+    run: (context: CommandContext) => {
       const path = onlyState(context);
       return path === null ? undefined : perform(context, (m) => plan(m, path));
     },
@@ -239,7 +229,7 @@ const CONNECTIONS: readonly UserCommand[] = [
 ];
 
 /** Choices for a state in a transition: a new state of a kind, or a library state. */
-const INTO_TRANSITION: UserCommand = {
+const INTO_TRANSITION: CommandOf<"insert.into-transition"> = {
   id: "insert.into-transition",
   title: "Insert into transition",
   detail: "Inserts the new state into the selected transition.",
@@ -277,7 +267,7 @@ function transitionOf(context: CommandContext) {
 }
 
 /** The command for the kind of the selection: used by "Add" of the reference. */
-const ADD: UserCommand = {
+const ADD: CommandOf<"insert.fitting"> = {
   id: "insert.fitting",
   title: "Add state or outcome",
   detail: "Adds a state to a container, an outcome to anything else.",
@@ -300,4 +290,4 @@ export const INSERT: readonly UserCommand[] = [
   ...CONNECTIONS,
   INTO_TRANSITION,
   ADD,
-];
+].map((command) => ({ ...command, edits: true, once: true }));

@@ -57,7 +57,7 @@ test("letters count on the canvas only, and F keys everywhere", () => {
 });
 
 const command = (id: string, keys: string[], classic?: string[]): UserCommand => ({
-  id,
+  id: id as "edit.undo",
   title: id,
   keys,
   ...(classic ? { classic } : {}),

@@ -16,7 +16,7 @@ const MACHINE = `
 const COMMANDS = allCommands();
 
 function source(context: TestContext) {
-  return { commands: COMMANDS, context, keys: (id: string) => COMMANDS.get(id)?.keys ?? [] };
+  return { commands: COMMANDS, context, keys: (id: string) => COMMANDS.find(id)?.keys ?? [] };
 }
 
 /** Titles of a menu: what cannot be done in brackets, what is on with a star, menus inside with theirs. */

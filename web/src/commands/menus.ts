@@ -1,6 +1,7 @@
 /** Menus as lists of commands: the menu bar by the positions of commands, context menus by the clicked element. */
 
 import type { ElementRef } from "../model/element.ts";
+import type { CommandId } from "../store/page/command_arguments.ts";
 import type { CommandContext, Commands, UserCommand } from "./command.ts";
 import { MENUS, refusalOf } from "./command.ts";
 import { shownKey } from "./keys.ts";
@@ -79,27 +80,35 @@ export function entryOf(source: MenuSource, command: UserCommand): CommandMenuEn
     ...(detail === undefined ? {} : { detail }),
     ...(command.checked ? { checked: command.checked(context) } : {}),
   };
-  if (!command.choices) return { ...entry, run: () => void commands.run(command.id, context) };
+  if (!command.choices) return { ...entry, run: () => void commands.choose(command, context) };
   const items = command.choices(context).map((choice, index) => ({
     id: `${command.id}/${index}`,
     title: choice.title,
     ...(choice.detail === undefined ? {} : { detail: choice.detail }),
     ...(choice.checked === undefined ? {} : { checked: choice.checked }),
     ...(choice.disabled === undefined ? {} : { disabled: choice.disabled }),
-    run: () => void commands.run(command.id, context, choice.argument),
+    run: () => void commands.choose(command, context, choice),
   }));
   return { ...entry, disabled: disabled || items.length === 0, items };
 }
 
+interface InnerMenu {
+  readonly title: string;
+  readonly of: readonly CommandId[];
+}
+
 /** A context menu: ids of commands, blocks of them, and menus inside by title. */
-type Recipe = readonly (readonly (
-  | string
-  | { readonly title: string; readonly of: readonly string[] }
-)[])[];
+type Recipe = readonly (readonly (CommandId | InnerMenu)[])[];
 
-const CLIPBOARD = ["edit.cut", "edit.copy", "edit.paste", "edit.duplicate", "edit.delete"];
+const CLIPBOARD: readonly CommandId[] = [
+  "edit.cut",
+  "edit.copy",
+  "edit.paste",
+  "edit.duplicate",
+  "edit.delete",
+];
 
-const ADD = {
+const ADD: InnerMenu = {
   title: "Add",
   of: [
     "insert.execution",
@@ -114,7 +123,7 @@ const ADD = {
   ],
 };
 
-const CONNECT = {
+const CONNECT: InnerMenu = {
   title: "Connect",
   of: [
     "insert.connect",
@@ -124,7 +133,7 @@ const CONNECT = {
   ],
 };
 
-const ARRANGE = {
+const ARRANGE: InnerMenu = {
   title: "Align and distribute",
   of: [
     "arrange.align-left",
@@ -139,17 +148,22 @@ const ARRANGE = {
 };
 
 /** All that arranges a state and what is inside. */
-const LAYOUT = {
+const LAYOUT: InnerMenu = {
   title: "Layout",
   of: [...ARRANGE.of, "arrange.layout-level", "arrange.layout-all", "arrange.fit-content"],
 };
 
-const RUN = {
+const RUN: InnerMenu = {
   title: "Run",
   of: ["run.start-here", "run.stop-here", "run.selected", "run.only-selected"],
 };
 
-const BREAK = ["run.breakpoint", "run.edit-breakpoint", "run.force-outcome", "run.preempt"];
+const BREAK: readonly CommandId[] = [
+  "run.breakpoint",
+  "run.edit-breakpoint",
+  "run.force-outcome",
+  "run.preempt",
+];
 
 const STATE: Recipe = [
   ["arrange.start-state", RUN],

@@ -14,12 +14,6 @@ import { failureOf } from "./send_command.ts";
 export const MISSION_LAYOUT = "Mission control";
 export const MISSION_PANEL = "mission";
 
-/** Arguments of `run.answer`. */
-interface Answering {
-  readonly question: Question;
-  readonly value: JsonValue;
-}
-
 export const MISSION: readonly UserCommand[] = [
   {
     id: "mission.open",
@@ -38,7 +32,7 @@ export const MISSION: readonly UserCommand[] = [
     title: "Show what needs attention",
     detail: "Shows mission control in any layout.",
     run: async ({ page, shell }, argument) => {
-      if (typeof argument === "string") await toRun(page, argument);
+      if (argument) await toRun(page, argument);
       shell.showPanel(MISSION_PANEL);
     },
   },
@@ -54,7 +48,7 @@ export const MISSION: readonly UserCommand[] = [
       const watch = tab?.run.peek();
       if (!watch) return;
       const all = openFailures(watch).peek();
-      const sequences = typeof argument === "number" ? [argument] : all.map(sequenceOf);
+      const sequences = argument !== undefined ? [argument] : all.map(sequenceOf);
       acknowledge(watch, sequences);
     },
   },
@@ -64,7 +58,7 @@ export const MISSION: readonly UserCommand[] = [
     refusal: (context) => cannotCommand(context),
     run: (context, argument) => {
       if (argument === undefined) return context.shell.showPanel(MISSION_PANEL);
-      const { question, value } = argument as Answering;
+      const { question, value } = argument;
       return answer(context, question, value);
     },
   },

@@ -21,8 +21,8 @@ test("a hurried second command waits for what the first one makes, instead of na
       return new Promise<EditAnswer>((answer) => answers.push(answer));
     },
   });
-  void GROUP?.run(context);
-  void GROUP?.run(context);
+  void GROUP?.run(context, undefined);
+  void GROUP?.run(context, undefined);
   await settle();
   expect(sent).toEqual(["Group A"]);
   select(view, []);

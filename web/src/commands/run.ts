@@ -1,6 +1,6 @@
 /** First commands of the Run menu: start, pause, resume and stop. */
 
-import type { Start, Watch } from "../store/history/run.ts";
+import type { Watch } from "../store/history/run.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotStart, cannotWhile } from "./run_rules.ts";
 import { startRun } from "./run_start.ts";
@@ -15,7 +15,7 @@ export const RUN: readonly UserCommand[] = [
     classic: ["F5", "Shift+F7"],
     menu: "Run/1",
     refusal: cannotStart,
-    run: (context, argument) => startRun(context, (argument as Partial<Start> | undefined) ?? {}),
+    run: (context, argument) => startRun(context, argument ?? {}),
   },
   {
     id: "run.start-with",
@@ -75,7 +75,7 @@ export const RUN: readonly UserCommand[] = [
     refusal: (context) => cannotCommand(context, { rest: true }),
     run: async (context, argument) => {
       const watch = context.tab?.run.peek();
-      if (!watch || (argument !== SURE && !(await confirmStop(context, watch)))) return;
+      if (!watch || (argument !== "sure" && !(await confirmStop(context, watch)))) return;
       await sendCommandTo(context, watch, "Stop", { type: "stop" });
     },
   },
@@ -98,9 +98,6 @@ export const RUN: readonly UserCommand[] = [
     },
   },
 ];
-
-/** The argument of `run.stop` where the user was asked already. */
-export const SURE = "sure";
 
 const PAUSE = { type: "pause" } as const;
 const RESUME = { type: "resume", branch: null } as const;

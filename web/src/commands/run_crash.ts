@@ -9,13 +9,6 @@ import { isChanged, saveTab } from "./save.ts";
 import { failureOf, sendCommand, sendCommandTo } from "./send_command.ts";
 import { anyOnlyState, canEdit } from "./subject.ts";
 
-/** The argument of `run.recover`. */
-interface Recovered {
-  /** The state; null: all. */
-  readonly path: string | null;
-  readonly policy: "abort" | "restart";
-}
-
 export const RUN_CRASH: readonly UserCommand[] = [
   {
     id: "run.resume-crashed",
@@ -52,7 +45,8 @@ export const RUN_CRASH: readonly UserCommand[] = [
       ];
     },
     run: (context, argument) => {
-      const { path, policy } = argument as Recovered;
+      if (!argument) return;
+      const { path, policy } = argument;
       return sendCommand(context, "Interrupted scripts", { type: "recover", path, policy });
     },
   },
@@ -76,11 +70,10 @@ function interrupted({ tab }: CommandContext): readonly string[] {
   return all.filter(({ phase }) => phase === "interrupted").map(({ path }) => path);
 }
 
-async function resumeCrashed(context: CommandContext, argument: unknown): Promise<void> {
+async function resumeCrashed(context: CommandContext, given?: OnCrash): Promise<void> {
   const { page, tab, shell } = context;
   const watch = tab?.run.peek();
   if (!watch) return;
-  const given = typeof argument === "string" ? (argument as OnCrash) : null;
   const policy = given ?? (await shell.dialog("resume-crashed", watch));
   if (!policy) return;
   const robot = watch.now.peek()?.run.robot;

@@ -54,7 +54,7 @@ export const RUN_PLACE: readonly UserCommand[] = [
 ];
 
 interface StateCommand {
-  readonly id: string;
+  readonly id: "run.selected" | "run.only-selected";
   /** The command for an active run. */
   readonly type: "run_selected" | "run_only_selected";
   /** Action of a new run after the state. */
@@ -85,7 +85,7 @@ function state(
   };
 }
 
-function cannotPlace(context: CommandContext, argument?: unknown): string | null {
+function cannotPlace(context: CommandContext, argument?: string): string | null {
   if (pathFor(context, argument) === null) return NO_STATE;
   return liveRun(context.tab) ? cannotCommand(context) : cannotStart(context);
 }

@@ -2,6 +2,7 @@
 
 import type { Breakpoint } from "../model/generated/protocol.ts";
 import { outcomesOf } from "../model/machine.ts";
+import type { Forced } from "../store/page/command_arguments.ts";
 import { type Active, activeStates } from "../store/run/active.ts";
 import {
   breakpointsOf,
@@ -15,12 +16,6 @@ import type { CommandChoice, CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, lacks, NO_STATE, pathFor, robotRefuses } from "./run_rules.ts";
 import { sendCommand } from "./send_command.ts";
 import { anyOnlyState } from "./subject.ts";
-
-/** The argument of `run.force-outcome`. */
-interface Forced {
-  readonly path: string;
-  readonly outcome: number;
-}
 
 export const RUN_POINTS: readonly UserCommand[] = [
   {
@@ -40,7 +35,7 @@ export const RUN_POINTS: readonly UserCommand[] = [
     detail: "Sets a condition, a hit count, and whether the branch or the whole run pauses.",
     menu: "Run/5",
     refusal: (context, argument) => {
-      const isMeant = isObject(argument) || pathFor(context, argument) !== null;
+      const isMeant = typeof argument === "object" || pathFor(context, argument) !== null;
       return isMeant ? cannotSetBreakpoints(context) : NO_STATE;
     },
     run: editBreakpoint,
@@ -67,12 +62,13 @@ export const RUN_POINTS: readonly UserCommand[] = [
     menu: "Run/4/Selected state",
     refusal: (context, argument) =>
       cannotCommand(context) ??
-      (!isObject(argument) && forcible(context) === null
+      (!argument && forcible(context) === null
         ? "select a state that is paused, waiting, or next"
         : null),
     choices: outcomeChoices,
     run: (context, argument) => {
-      const { path, outcome } = argument as Forced;
+      if (!argument) return;
+      const { path, outcome } = argument;
       return sendCommand(context, "Force outcome", { type: "force_outcome", path, outcome });
     },
   },
@@ -136,15 +132,11 @@ export async function removeBreakpoint(context: CommandContext, id: number): Pro
   return true;
 }
 
-function isObject(argument: unknown): argument is object {
-  return typeof argument === "object" && argument !== null;
-}
-
 function pointsAt({ tab }: CommandContext, path: string | null): readonly Breakpoint[] {
   return tab ? breakpointsOf(tab).filter((each) => each.path === path) : [];
 }
 
-async function toggle(context: CommandContext, argument: unknown): Promise<void> {
+async function toggle(context: CommandContext, argument?: string): Promise<void> {
   const path = pathFor(context, argument);
   if (path === null || !context.tab) return;
   const there = pointsAt(context, path);
@@ -153,11 +145,15 @@ async function toggle(context: CommandContext, argument: unknown): Promise<void>
 }
 
 /** The argument is an existing breakpoint, or the path of a state for a new one. */
-async function editBreakpoint(context: CommandContext, argument: unknown): Promise<void> {
+async function editBreakpoint(
+  context: CommandContext,
+  argument?: Breakpoint | string,
+): Promise<void> {
   const { tab, shell } = context;
   if (!tab) return;
-  const given = isObject(argument) ? (argument as Breakpoint) : null;
-  const path = given?.path ?? pathFor(context, argument) ?? tab.session.machine.root;
+  const given = typeof argument === "object" ? argument : null;
+  const state = typeof argument === "object" ? argument.path : argument;
+  const path = pathFor(context, state) ?? tab.session.machine.root;
   const [there] = pointsAt(context, path);
   const asks = given ?? there ?? newBreakpoint(freshId(tab), path);
   const wanted = await shell.dialog("breakpoint", asks);
@@ -180,12 +176,12 @@ function forcible(context: CommandContext): string | null {
   return isForcible ? path : null;
 }
 
-function outcomeChoices(context: CommandContext): readonly CommandChoice[] {
+function outcomeChoices(context: CommandContext): readonly CommandChoice<Forced>[] {
   const path = forcible(context);
   const state = path === null ? undefined : context.tab?.session.machine.state(path);
   if (path === null || !state) return [];
   return outcomesOf(state).map(({ id, name }) => ({
     title: name,
-    argument: { path, outcome: id } satisfies Forced,
+    argument: { path, outcome: id },
   }));
 }

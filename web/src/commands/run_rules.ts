@@ -117,8 +117,8 @@ export function isHeld({ active }: Snapshot): boolean {
 }
 
 /** The path that a command is meant for: the one given, else the selected state. */
-export function pathFor(context: CommandContext, argument: unknown): string | null {
-  return typeof argument === "string" ? argument : (anyOnlyState(context)?.path ?? null);
+export function pathFor(context: CommandContext, path: string | undefined): string | null {
+  return path ?? anyOnlyState(context)?.path ?? null;
 }
 
 /** Reason why the selection is not a single state. */

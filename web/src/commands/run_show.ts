@@ -19,18 +19,17 @@ export const RUN_SHOW: readonly UserCommand[] = [
     id: "run.show",
     title: "Show run",
     menu: "Run/7",
-    choices: ({ page, tab }) => (tab ? choicesOf(page, runsOfTab(page, tab), tab) : []),
-    run: ({ page }, argument) =>
-      typeof argument === "string" ? page.showRun(argument) : undefined,
+    choices: ({ page, tab }) => (tab ? runChoices(page, runsOfTab(page, tab), tab) : []),
+    run: ({ page }, argument) => (argument === undefined ? undefined : page.showRun(argument)),
   },
   {
     id: "run.show-as-ran",
     title: "Show the machine as it ran",
     detail: "Opens the machine that the run uses in its own tab, next to the edited one.",
     menu: "Run/7",
-    refusal: ({ page }, argument) => (runOf(page) || typeof argument === "string" ? null : NONE),
+    refusal: ({ page }, argument) => (runOf(page) || argument !== undefined ? null : NONE),
     run: ({ page }, argument) => {
-      const id = typeof argument === "string" ? argument : runOf(page)?.id;
+      const id = argument ?? runOf(page)?.id;
       return id === undefined ? undefined : page.showAsRan(id);
     },
   },
@@ -95,7 +94,7 @@ export const RUN_SHOW: readonly UserCommand[] = [
     choices: ({ page, tab }) => {
       const shown = tab?.run.value?.id;
       return tab
-        ? choicesOf(
+        ? runChoices(
             page,
             runsOfTab(page, tab).filter(({ id }) => id !== shown),
           )
@@ -108,11 +107,16 @@ export const RUN_SHOW: readonly UserCommand[] = [
     title: "Export run",
     menu: "Run/8/This run",
     refusal: ({ page }, argument) => (runOf(page) || argument !== undefined ? null : NONE),
-    choices: ({ page }) =>
-      EXPORTS.map(([format, title]) => ({ title, argument: [runOf(page)?.id, format] })),
+    choices: ({ page }) => {
+      const run = runOf(page)?.id;
+      return run === undefined
+        ? []
+        : EXPORTS.map(([format, title]) => ({ title, argument: { run, format } }));
+    },
     run: (_, argument) => {
-      const [id, format] = argument as readonly [string, string];
-      download(`${pageBase()}/api/v1/runs/${encodeURIComponent(id)}/export?format=${format}`);
+      if (!argument) return;
+      const { run, format } = argument;
+      download(`${pageBase()}/api/v1/runs/${encodeURIComponent(run)}/export?format=${format}`);
     },
   },
   {
@@ -138,15 +142,15 @@ const EXPORTS = [
 ] as const;
 
 /** The run that is meant: the one given, else the one in front. */
-function idOf(page: Page, argument: unknown): string | null {
-  return typeof argument === "string" ? argument : (runOf(page)?.id ?? null);
+function idOf(page: Page, argument?: string): string | null {
+  return argument ?? runOf(page)?.id ?? null;
 }
 
-function choicesOf(
+function runChoices(
   page: Page,
   runs: readonly RunSummary[],
   tab?: OpenTab,
-): readonly CommandChoice[] {
+): readonly CommandChoice<string>[] {
   return runs.map((run) => ({
     title: `${wallTime(run.started_ms, Date.now())}, ${statusInWords(summaryStatusWords(run))}`,
     detail: run.id,
@@ -156,10 +160,10 @@ function choicesOf(
 }
 
 /** The argument is the number of an entry, by default the one that follows the shown moment. */
-async function startFromHistory(context: CommandContext, argument: unknown): Promise<void> {
+async function startFromHistory(context: CommandContext, argument?: number): Promise<void> {
   const watch = context.tab?.run.peek();
   if (!watch) return;
-  const sequence = typeof argument === "number" ? argument : entryToStartFrom(watch);
+  const sequence = argument ?? entryToStartFrom(watch);
   if (sequence === null) return;
   if (liveRun(context.tab)) {
     const runCommand = { type: "start_from_history", sequence } as const;
@@ -168,10 +172,10 @@ async function startFromHistory(context: CommandContext, argument: unknown): Pro
   watch.playhead.value = null;
 }
 
-function compare({ page, shell }: CommandContext, argument: unknown): void {
+function compare({ page, shell }: CommandContext, argument?: string): void {
   const watch = runOf(page);
   if (!watch) return;
-  if (typeof argument === "string") comparedRun(watch).value = argument;
+  if (argument !== undefined) comparedRun(watch).value = argument;
   shell.showPanel("compare");
 }
 
@@ -183,7 +187,7 @@ function download(address: string): void {
   link.click();
 }
 
-async function remove({ page, shell }: CommandContext, argument: unknown): Promise<void> {
+async function remove({ page, shell }: CommandContext, argument?: string): Promise<void> {
   const id = idOf(page, argument);
   if (id === null) return;
   const isSure = await shell.confirm({

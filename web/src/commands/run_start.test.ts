@@ -128,8 +128,8 @@ test("breakpoints that are kept for the machine go along; conditions only with t
 
 test("one state is run by a start that says what comes after it", async () => {
   const { context, started } = setUp({ selected: ["state:R/A"] });
-  for (const id of ["run.start-here", "run.selected", "run.only-selected"]) {
-    await allCommands().get(id)?.run(context);
+  for (const id of ["run.start-here", "run.selected", "run.only-selected"] as const) {
+    await allCommands().get(id)?.run(context, undefined);
   }
   const more = { machine: FILE, breakpoints: [], start_from: "R/A" };
   expect(started).toEqual([more, { ...more, afterwards: "hold" }, { ...more, afterwards: "stop" }]);

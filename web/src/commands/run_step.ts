@@ -1,6 +1,5 @@
 /** Steps: into, over, out and back, of all branches that are held or of one. */
 
-import type { Command as RunCommand } from "../model/generated/protocol.ts";
 import { snapshotOf } from "../store/run/running.ts";
 import type { CommandContext, UserCommand } from "./command.ts";
 import { cannotCommand, cannotWhile, isHeld } from "./run_rules.ts";
@@ -38,7 +37,7 @@ export const RUN_STEP: readonly UserCommand[] = [
 ];
 
 function step(
-  id: string,
+  id: "run.into" | "run.over" | "run.out" | "run.back",
   title: string,
   type: StepType,
   keys: readonly string[],
@@ -51,12 +50,8 @@ function step(
     keys,
     menu: "Run/3",
     refusal: (context) => cannotStep(context, type),
-    run: (context, argument) => sendCommand(context, title, orderOf(type, argument)),
+    run: (context, argument) => sendCommand(context, title, { type, branch: argument ?? null }),
   };
-}
-
-function orderOf(type: StepType, argument: unknown): RunCommand {
-  return { type, branch: typeof argument === "string" ? argument : null };
 }
 
 function cannotStep(context: CommandContext, type: StepType): string | null {

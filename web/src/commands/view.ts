@@ -1,12 +1,12 @@
 /** Commands of the View menu: camera, layers and panels. None changes a machine. */
 
 import { readLayout } from "../model/layout_reader.ts";
-import type { Settings } from "../store/page/page.ts";
+import type { Page, Settings } from "../store/page/page.ts";
 import { THEMES } from "../store/page/settings.ts";
 import { TIME_SCALES } from "../store/page/times.ts";
 import type { FlowMode, HeatMode, ViewModes } from "../store/page/view.ts";
 import { selected, selectedStates } from "../store/page/view.ts";
-import type { CommandContext, PanelSide, UserCommand } from "./command.ts";
+import type { CommandChoice, CommandContext, PanelSide, UserCommand } from "./command.ts";
 import { anyOnlyState } from "./subject.ts";
 
 const isOpen = (context: CommandContext) => context.tab !== null;
@@ -61,7 +61,7 @@ type Switch = { [K in keyof ViewModes]: ViewModes[K] extends boolean ? K : never
 
 function mode(
   name: Switch,
-  id: string,
+  id: "transitions" | "names" | "values" | "aborted" | "grid",
   title: string,
   keys: readonly string[],
   classic?: readonly string[],
@@ -74,7 +74,7 @@ function mode(
     menu: "View/2",
     enabled: isOpen,
     checked: ({ tab }) => tab?.view.modes.value[name] ?? false,
-    run: ({ tab }) => {
+    run: ({ tab }: CommandContext) => {
       if (!tab) return;
       const before = tab.view.modes.peek();
       tab.view.modes.value = { ...before, [name]: !before[name] };
@@ -115,7 +115,7 @@ const MODES: readonly UserCommand[] = [
       const before = tab.view.modes.peek();
       const at = FLOWS.findIndex(({ value }) => value === before.dataFlows);
       const next = FLOWS[(at + 1) % FLOWS.length]?.value ?? "selection";
-      const dataFlows = (argument as FlowMode | undefined) ?? next;
+      const dataFlows = argument ?? next;
       tab.view.modes.value = { ...before, dataFlows };
     },
   },
@@ -138,7 +138,7 @@ const MODES: readonly UserCommand[] = [
       if (!tab) return;
       const at = HEATS.findIndex(({ value }) => value === tab.view.heat.peek());
       const next = HEATS[(at + 1) % HEATS.length]?.value ?? "off";
-      tab.view.heat.value = (argument as HeatMode | undefined) ?? next;
+      tab.view.heat.value = argument ?? next;
     },
   },
   mode("portNames", "names", "Port names", ["N"]),
@@ -180,7 +180,7 @@ function side(which: PanelSide, title: string, keys: readonly string[]): UserCom
     keys,
     menu: "View/3",
     checked: ({ shell }) => shell.layouts.isShown(which),
-    run: ({ shell }) => shell.layouts.toggle(which),
+    run: ({ shell }: CommandContext) => shell.layouts.toggle(which),
   };
 }
 
@@ -191,7 +191,7 @@ const PANELS: readonly UserCommand[] = [
     menu: "View/3",
     choices: ({ shell }) =>
       shell.layouts.panels().map(({ id, title }) => ({ title, argument: id })),
-    run: ({ shell }, argument) => shell.showPanel(argument as string),
+    run: ({ shell }, argument) => (argument ? shell.showPanel(argument) : undefined),
   },
   side("left", "Left side", ["Ctrl+Alt+1"]),
   side("bottom", "Bottom side", ["Ctrl+Alt+2"]),
@@ -209,7 +209,7 @@ const PANELS: readonly UserCommand[] = [
     title: "Layout",
     menu: "View/4",
     choices: ({ shell }) => shell.layouts.names().map((name) => ({ title: name, argument: name })),
-    run: ({ shell }, argument) => shell.layouts.apply(argument as string),
+    run: ({ shell }, argument) => (argument ? shell.layouts.apply(argument) : undefined),
   },
   {
     id: "view.save-layout",
@@ -230,7 +230,7 @@ const PANELS: readonly UserCommand[] = [
     menu: "View/4",
     enabled: ({ shell }) => shell.layouts.own().length > 0,
     choices: ({ shell }) => shell.layouts.own().map((name) => ({ title: name, argument: name })),
-    run: ({ shell }, argument) => shell.layouts.remove(argument as string),
+    run: ({ shell }, argument) => (argument ? shell.layouts.remove(argument) : undefined),
   },
   {
     id: "view.full-screen",
@@ -243,31 +243,37 @@ const PANELS: readonly UserCommand[] = [
         ? document.exitFullscreen()
         : document.documentElement.requestFullscreen(),
   },
-  setting("view.theme", "Theme", "theme", THEMES),
-  setting("view.times", "Times", "times", TIME_SCALES),
+  {
+    id: "view.theme",
+    title: "Theme",
+    menu: "View/5",
+    choices: ({ page }) => settingChoices(page, "theme", THEMES),
+    run: ({ page }, argument) => set(page, "theme", argument),
+  },
+  {
+    id: "view.times",
+    title: "Times",
+    menu: "View/5",
+    choices: ({ page }) => settingChoices(page, "times", TIME_SCALES),
+    run: ({ page }, argument) => set(page, "times", argument),
+  },
 ];
 
-/** Chooses one of a setting's values. */
-function setting<K extends "theme" | "times">(
-  id: string,
-  title: string,
+/** Values of a setting. */
+function settingChoices<K extends keyof Settings>(
+  { settings }: Page,
   key: K,
   values: readonly { readonly value: Settings[K]; readonly title: string }[],
-): UserCommand {
-  return {
-    id,
+): readonly CommandChoice<Settings[K]>[] {
+  return values.map(({ value, title }) => ({
     title,
-    menu: "View/5",
-    choices: ({ page }) =>
-      values.map(({ value, title }) => ({
-        title,
-        argument: value,
-        checked: page.settings.value[key] === value,
-      })),
-    run: ({ page }, argument) => {
-      page.settings.value = { ...page.settings.peek(), [key]: argument };
-    },
-  };
+    argument: value,
+    checked: settings.value[key] === value,
+  }));
+}
+
+function set<K extends keyof Settings>({ settings }: Page, key: K, value?: Settings[K]): void {
+  if (value !== undefined) settings.value = { ...settings.peek(), [key]: value };
 }
 
 export const VIEW: readonly UserCommand[] = [...LOOK, ...MODES, ...PANELS];

@@ -15,7 +15,7 @@ const chosen = (key: ElementKey | "") =>
   testContext(MACHINE, { selected: key === "" ? [] : [key] });
 
 const why = (id: string, key: ElementKey | "") => {
-  const command = allCommands().get(id);
+  const command = allCommands().find(id);
   return command ? whyDisabled(command, chosen(key)) : "there is no such command";
 };
 

@@ -8,12 +8,6 @@ import { whyNot } from "./subject.ts";
 export function whyDisabled(command: UserCommand, context: CommandContext): string | null {
   const { page, tab } = context;
   if (!tab) return null;
-  const fixed = isEdit(command) ? whyFixed(page, tab) : null;
+  const fixed = command.edits ? whyFixed(page, tab) : null;
   return fixed ?? whyNot(context) ?? command.needs ?? null;
-}
-
-function isEdit({ id }: UserCommand): boolean {
-  return /^(edit\.(cut|paste|duplicate|delete|rename|undo|redo)|insert\.|arrange\.|file\.save)/.test(
-    id,
-  );
 }

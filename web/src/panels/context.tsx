@@ -2,6 +2,7 @@
 
 import { createContext, useContext, useDeferredValue } from "react";
 import type { CommandContext, Commands } from "../commands/command.ts";
+import type { ArgumentOf, CommandId } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { useComputed, useSignal } from "../ui/signals.ts";
 
@@ -10,6 +11,9 @@ export interface PanelHost {
   /** Current context of commands. */
   readonly context: () => CommandContext;
 }
+
+/** Runs a command by its id. */
+export type RunCommand = <Id extends CommandId>(id: Id, ...argument: ArgumentOf<Id>) => void;
 
 const Host = createContext<PanelHost | null>(null);
 
@@ -27,13 +31,13 @@ export function useActiveTab(): OpenTab | null {
 }
 
 /** Returns a function that runs a command by its id. */
-export function useCommand(): (id: string, argument?: unknown) => void {
+export function useCommand(): RunCommand {
   const host = useHost();
-  return (id, argument) => void host.commands.run(id, host.context(), argument);
+  return (id, ...argument) => void host.commands.run(id, host.context(), ...argument);
 }
 
 /** Reason why a command is unavailable; null if it is available. Components render again when it changes. */
-export function useRefusalOf(id: string): string | null {
+export function useRefusalOf(id: CommandId): string | null {
   const { commands, context } = useHost();
   return useComputed(() => commands.refusalOf(id, context()), [commands, context, id]);
 }

@@ -3,9 +3,9 @@
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
-export function About({ answer }: AskedDialogProps<undefined>) {
+export function About({ answer }: NamedDialogProps<"about">) {
   const { page } = useSession();
   const link = useSignal(page.server.link);
   return (

@@ -5,9 +5,9 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
 import type { UserQuestion } from "../question.ts";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { AskedDialogProps, NamedDialogProps } from "./dialogs.tsx";
 
-export function Ask({ asks, answer }: AskedDialogProps<UserQuestion>) {
+export function Ask({ asks, answer }: NamedDialogProps<"question">) {
   switch (asks.kind) {
     case "confirm":
       return <Confirm asks={asks} answer={answer} />;
@@ -18,7 +18,10 @@ export function Ask({ asks, answer }: AskedDialogProps<UserQuestion>) {
   }
 }
 
-function Confirm({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "confirm" }>) {
+function Confirm({
+  asks,
+  answer,
+}: AskedDialogProps<UserQuestion & { kind: "confirm" }, string | boolean>) {
   return (
     <Dialog
       title={asks.title}
@@ -37,7 +40,10 @@ function Confirm({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "conf
   );
 }
 
-function Choose({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "choose" }>) {
+function Choose({
+  asks,
+  answer,
+}: AskedDialogProps<UserQuestion & { kind: "choose" }, string | boolean>) {
   return (
     <Dialog
       title={asks.title}
@@ -70,7 +76,10 @@ function Choose({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "choos
   );
 }
 
-function Prompt({ asks, answer }: AskedDialogProps<UserQuestion & { kind: "prompt" }>) {
+function Prompt({
+  asks,
+  answer,
+}: AskedDialogProps<UserQuestion & { kind: "prompt" }, string | boolean>) {
   const [text, setText] = useState(asks.initial ?? "");
   const [tried, setTried] = useState(false);
   const refusal = asks.check?.(text) ?? null;

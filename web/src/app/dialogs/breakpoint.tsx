@@ -9,9 +9,9 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
-export function BreakpointDialog({ asks, answer }: AskedDialogProps<Breakpoint>) {
+export function BreakpointDialog({ asks, answer }: NamedDialogProps<"breakpoint">) {
   const { context } = useSession();
   const now = context();
   const [wanted, setWanted] = useState(asks);

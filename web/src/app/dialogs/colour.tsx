@@ -4,7 +4,7 @@ import { useState } from "react";
 import type { Rgb } from "../../commands/command.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
 /** Calm ones, so that what runs or failed stays the loudest. */
 const SWATCHES = [
@@ -37,7 +37,7 @@ function rgbOf(hex: string): Rgb {
   return [part(1), part(3), part(5)];
 }
 
-export function Colour({ asks, answer }: AskedDialogProps<Rgb | null>) {
+export function Colour({ asks, answer }: NamedDialogProps<"colour">) {
   const [hex, setHex] = useState(asks ? hexOf(asks) : SWATCHES[0]);
   return (
     <Dialog

@@ -5,73 +5,48 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { type OnDemand, onDemand } from "../../ui/on_demand.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { OpenDialog } from "../session.ts";
+import type { AllDialogs } from "../session.ts";
 import { Ask } from "./ask.tsx";
 import { ResumeCrashed } from "./resume_crashed.tsx";
 import { StartRunDialog } from "./start_run.tsx";
 import "./dialogs.css";
 
 /** Properties of a dialog: its request, and the receiver of its result. Null closes it without a result. */
-export interface AskedDialogProps<Asks> {
+export interface AskedDialogProps<Asks, Answer = unknown> {
   readonly asks: Asks;
-  readonly answer: (answer: unknown) => void;
+  readonly answer: (answer: Answer | null) => void;
 }
 
-const framed = (words: ReactElement, { answer }: AskedDialogProps<never>) => (
+/** Properties of the dialog of a name. */
+export type NamedDialogProps<N extends keyof AllDialogs> = AskedDialogProps<
+  AllDialogs[N]["asks"],
+  AllDialogs[N]["answer"]
+>;
+
+const framed = (words: ReactElement, { answer }: { readonly answer: (answer: null) => void }) => (
   <Dialog title="Not loaded" onClose={() => answer(null)}>
     {words}
   </Dialog>
 );
 
 // Dialogs for commands of a run are loaded with the page, the others at their first use.
-const About = onDemand(
-  async () => (await import("./about.tsx")).About as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
+const About = onDemand(async () => (await import("./about.tsx")).About, framed);
 const BreakpointDialog = onDemand(
-  async () =>
-    (await import("./breakpoint.tsx")).BreakpointDialog as FunctionComponent<
-      AskedDialogProps<never>
-    >,
+  async () => (await import("./breakpoint.tsx")).BreakpointDialog,
   framed,
 );
-const Colour = onDemand(
-  async () => (await import("./colour.tsx")).Colour as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
-const Keys = onDemand(
-  async () => (await import("./keys.tsx")).Keys as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
+const Colour = onDemand(async () => (await import("./colour.tsx")).Colour, framed);
+const Keys = onDemand(async () => (await import("./keys.tsx")).Keys, framed);
 const LibraryChooser = onDemand(
-  async () =>
-    (await import("./library_chooser.tsx")).LibraryChooser as FunctionComponent<
-      AskedDialogProps<never>
-    >,
+  async () => (await import("./library_chooser.tsx")).LibraryChooser,
   framed,
 );
-const NewMachine = onDemand(
-  async () =>
-    (await import("./new_machine.tsx")).NewMachine as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
-const OpenMachine = onDemand(
-  async () =>
-    (await import("./open_machine.tsx")).OpenMachine as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
-const SaveAs = onDemand(
-  async () => (await import("./save_as.tsx")).SaveAs as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
-const SetAside = onDemand(
-  async () =>
-    (await import("./set_aside.tsx")).SetAside as FunctionComponent<AskedDialogProps<never>>,
-  framed,
-);
+const NewMachine = onDemand(async () => (await import("./new_machine.tsx")).NewMachine, framed);
+const OpenMachine = onDemand(async () => (await import("./open_machine.tsx")).OpenMachine, framed);
+const SaveAs = onDemand(async () => (await import("./save_as.tsx")).SaveAs, framed);
+const SetAside = onDemand(async () => (await import("./set_aside.tsx")).SetAside, framed);
 const SettingsDialog = onDemand(
-  async () =>
-    (await import("./settings.tsx")).SettingsDialog as FunctionComponent<AskedDialogProps<never>>,
+  async () => (await import("./settings.tsx")).SettingsDialog,
   framed,
 );
 
@@ -102,9 +77,9 @@ export const LATER_DIALOGS: readonly OnDemand<never>[] = [
 ];
 
 /** All dialogs by name. */
-export const DIALOGS: Readonly<
-  Record<OpenDialog["name"], FunctionComponent<AskedDialogProps<never>>>
-> = {
+export const DIALOGS: {
+  readonly [N in keyof AllDialogs]: FunctionComponent<NamedDialogProps<N>>;
+} = {
   question: Ask,
   open: OpenMachine,
   "save-as": SaveAs,
@@ -125,8 +100,9 @@ export function OpenDialogs() {
   const { dialogs, palette } = useSession();
   const query = useSignal(palette);
   const open = useSignal(dialogs).map(({ id, name, asks, answer }) => {
-    const Component = DIALOGS[name];
-    return <Component key={id} asks={asks as never} answer={answer} />;
+    // The opener has checked that request and name belong together.
+    const Component = DIALOGS[name] as FunctionComponent<AskedDialogProps<unknown>>;
+    return <Component key={id} asks={asks} answer={answer} />;
   });
   return (
     <>

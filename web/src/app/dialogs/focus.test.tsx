@@ -1,6 +1,7 @@
 // @vitest-environment happy-dom
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
+import type { FunctionComponent } from "react";
 import { afterEach, expect, test } from "vitest";
 import type { OpenTab } from "../../store/page/page.ts";
 import { newBreakpoint } from "../../store/run/breakpoints.ts";
@@ -11,7 +12,7 @@ import { settled, unmount } from "../../ui/testing/mounted.tsx";
 import type { UserQuestion } from "../question.ts";
 import type { OpenDialog } from "../session.ts";
 import { shown } from "../testing/shown.tsx";
-import { DIALOGS, LATER_DIALOGS } from "./dialogs.tsx";
+import { type AskedDialogProps, DIALOGS, LATER_DIALOGS } from "./dialogs.tsx";
 
 afterEach(unmount);
 
@@ -42,12 +43,9 @@ interface Opened {
 async function opened(name: OpenDialog["name"], asks?: unknown): Promise<Opened> {
   for (const part of LATER_DIALOGS) await part.preload();
   const answers: unknown[] = [];
-  const Component = DIALOGS[name];
+  const Component = DIALOGS[name] as FunctionComponent<AskedDialogProps<unknown>>;
   shown((tab) => (
-    <Component
-      asks={(asks ?? ASKS[name](tab)) as never}
-      answer={(answer) => answers.push(answer)}
-    />
+    <Component asks={asks ?? ASKS[name](tab)} answer={(answer) => answers.push(answer)} />
   ));
   await settled();
   const { activeElement } = document;

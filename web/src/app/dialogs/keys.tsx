@@ -16,9 +16,9 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
-export function Keys({ answer }: AskedDialogProps<undefined>) {
+export function Keys({ answer }: NamedDialogProps<"keys">) {
   const { page, commands } = useSession();
   const settings = useSignal(page.settings);
   const [search, setSearch] = useState("");
@@ -182,7 +182,7 @@ function Files() {
   const take = async (file: File | undefined) => {
     if (!file) return;
     try {
-      const { keys, faults } = readKeys(await file.text(), (id) => commands.get(id) !== undefined);
+      const { keys, faults } = readKeys(await file.text(), (id) => commands.find(id) !== undefined);
       page.settings.value = { ...page.settings.peek(), keys };
       const count = Object.keys(keys).length;
       const also = faults.length > 0 ? ` Skipped: ${faults.join("; ")}.` : "";

@@ -10,7 +10,7 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 
 interface ChooserNode {
@@ -46,10 +46,7 @@ function firstLibrary(nodes: readonly ChooserNode[]): ChooserNode | null {
   return null;
 }
 
-export function LibraryChooser({
-  asks,
-  answer,
-}: AskedDialogProps<{ readonly title: string; readonly yes: string }>) {
+export function LibraryChooser({ asks, answer }: NamedDialogProps<"library">) {
   const { page } = useSession();
   const roots = useSignal(page.libraries);
   const [search, setSearch] = useState("");

@@ -6,10 +6,10 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { type ProjectNode, useProjects } from "../project_tree.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 import { chosenFolder, FolderChooser } from "./folder_chooser.tsx";
 
-export function NewMachine({ answer }: AskedDialogProps<undefined>) {
+export function NewMachine({ answer }: NamedDialogProps<"new">) {
   const nodes = useProjects() ?? [];
   const [name, setName] = useState("New machine");
   const [folder, setFolder] = useState<string | null>(null);

@@ -8,10 +8,10 @@ import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 
-export function OpenMachine({ answer }: AskedDialogProps<undefined>) {
+export function OpenMachine({ answer }: NamedDialogProps<"open">) {
   const nodes = useProjects();
   const [search, setSearch] = useState("");
   const [chosen, setChosen] = useState<ProjectNode | null>(null);

@@ -7,7 +7,7 @@ import { RefusalError } from "../../store/page/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
 const CHOICES = [
   {
@@ -28,7 +28,7 @@ const CHOICES = [
   },
 ] as const satisfies readonly { value: OnCrash; title: string; detail: string }[];
 
-export function ResumeCrashed({ asks: watch, answer }: AskedDialogProps<Watch>) {
+export function ResumeCrashed({ asks: watch, answer }: NamedDialogProps<"resume-crashed">) {
   const names = useInterrupted(watch);
   return (
     <Dialog

@@ -4,13 +4,10 @@ import { useState } from "react";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { type ProjectNode, useProjects } from "../project_tree.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 import { chosenFolder, FolderChooser } from "./folder_chooser.tsx";
 
-export function SaveAs({
-  asks,
-  answer,
-}: AskedDialogProps<{ readonly title: string; readonly name: string; readonly yes: string }>) {
+export function SaveAs({ asks, answer }: NamedDialogProps<"save-as">) {
   const nodes = useProjects() ?? [];
   const [name, setName] = useState(asks.name);
   const [place, setPlace] = useState<ProjectNode | null>(null);

@@ -11,9 +11,9 @@ import { useConfirmPress } from "../../ui/confirm_press.ts";
 import { Dialog } from "../../ui/dialog.tsx";
 import { useComputed } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
-export function SetAside({ asks: tab, answer }: AskedDialogProps<OpenTab>) {
+export function SetAside({ asks: tab, answer }: NamedDialogProps<"set-aside">) {
   const { page } = useSession();
   const path = `/machines/${encodeURIComponent(tab.session.id)}/set_aside`;
   const [drafts, setDrafts] = useState<readonly SetAsideDraft[] | null>(null);

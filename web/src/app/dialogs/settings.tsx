@@ -8,9 +8,9 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { Select } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
-export function SettingsDialog({ answer }: AskedDialogProps<undefined>) {
+export function SettingsDialog({ answer }: NamedDialogProps<"settings">) {
   const { page, commands, context } = useSession();
   const settings = useSignal(page.settings);
   const change = (part: Partial<Settings>) => {

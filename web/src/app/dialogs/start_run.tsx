@@ -14,7 +14,7 @@ import { fileOfTab } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 
 /** The entries: texts of inputs by name. */
 interface StartInputs {
@@ -31,7 +31,7 @@ function keyOf(tab: OpenTab): string {
   return `rafcon.start ${file ? `${file.project}/${file.path}` : tab.session.id}`;
 }
 
-export function StartRunDialog({ asks: tab, answer }: AskedDialogProps<OpenTab>) {
+export function StartRunDialog({ asks: tab, answer }: NamedDialogProps<"start-run">) {
   const key = keyOf(tab);
   const [given, setGiven] = useState<StartInputs>(() => ({
     ...FIRST,

@@ -96,7 +96,7 @@ export class Driver {
         this.view.camera.value = to;
       },
       heading: () => this.view.camera.value,
-      run: (command, argument) => {
+      run: ({ command, argument }) => {
         this.commands.push(`${command} ${JSON.stringify(argument)}`);
       },
       refuse: (reason) => this.refusals.push(reason),

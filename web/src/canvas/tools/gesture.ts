@@ -5,6 +5,7 @@ import type { ElementRef } from "../../model/element.ts";
 import type { Point, Size } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
 import type { Planned } from "../../plan/plan.ts";
+import type { CommandCall } from "../../store/page/command_arguments.ts";
 import type { Camera } from "../../store/page/view.ts";
 import { worldFromScreen } from "../camera.ts";
 import type { CanvasLook } from "../hit/look.ts";
@@ -36,7 +37,7 @@ export interface GestureResult {
   readonly select?: readonly ElementRef[];
   readonly toggle?: ElementRef;
   /** Command to run, by its id. */
-  readonly run?: { readonly command: string; readonly argument?: unknown };
+  readonly run?: CommandCall;
 }
 
 export const NOTHING: GestureResult = {};

@@ -12,6 +12,7 @@ import { connecting } from "./connect.ts";
 import {
   DRAG_DISTANCE,
   type Gesture,
+  type GestureResult,
   ownState,
   type Pointer,
   type ToolContext,
@@ -45,7 +46,7 @@ export function pressing(hit: CanvasHit | null, press: Press, context: ToolConte
   return still;
 }
 
-function clicked(hit: CanvasHit | null, press: Press, context: ToolContext) {
+function clicked(hit: CanvasHit | null, press: Press, context: ToolContext): GestureResult {
   if (!hit) return press.ctrl || press.shift ? {} : { select: [] };
   if (setsBreakpoint(hit, press, context)) {
     return { run: { command: "run.breakpoint", argument: hit.element.path } };

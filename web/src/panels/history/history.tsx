@@ -372,8 +372,7 @@ function Menu({
   const show = (event: number) => {
     watch.playhead.value = event;
   };
-  const start = host.commands.get("run.start-from-history");
-  const refusal = start?.refusal?.(context) ?? null;
+  const refusal = host.commands.refusalOf("run.start-from-history", context);
   const compare = host.commands.get("run.compare");
   return (
     <ContextMenu

@@ -163,7 +163,7 @@ function WatchButton({ inspected, target }: { inspected: InspectedState; target:
     if (here.length > 0) return;
     addWatched(tab, target);
     if (all.length > 0) return;
-    const action = { title: "Show watches", command: "view.panel", argument: "watches" };
+    const action = { title: "Show watches", command: "view.panel", argument: "watches" } as const;
     page.tell({ level: "info", text: `${target.name} is watched.`, action });
   };
   return (

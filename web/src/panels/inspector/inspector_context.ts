@@ -7,6 +7,7 @@ import type { Planned } from "../../plan/plan.ts";
 import { applyPlan, type Made } from "../../store/page/apply_plan.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";
 import { mayEdit } from "../../store/page/rights.ts";
+import type { RunCommand } from "../context.tsx";
 
 /** A machine in the inspector. */
 export interface InspectorContext {
@@ -18,7 +19,7 @@ export interface InspectorContext {
   /** Selects an element, and moves it into view. */
   readonly show: (element: ElementRef) => void;
   readonly hover: (element: ElementRef | null) => void;
-  readonly run: (command: string, argument?: unknown) => void;
+  readonly run: RunCommand;
 }
 
 /** A state in the inspector. */

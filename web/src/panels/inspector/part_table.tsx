@@ -2,13 +2,14 @@
 
 import { ClipboardPaste } from "lucide-react";
 import { type ClipboardEvent, useRef, useState } from "react";
-import { copyElements, NOTHING_COPIED, read, type TextTransfer } from "../../commands/clipboard.ts";
+import { copyElements, NOTHING_COPIED, read } from "../../commands/clipboard.ts";
 import type { ElementRef } from "../../model/element.ts";
 import type { Point } from "../../model/geometry.ts";
 import { partsIn } from "../../plan/clipboard.ts";
 import { type PartKind, pasteParts } from "../../plan/parts.ts";
 import { removeElements } from "../../plan/states.ts";
 import type { Made } from "../../store/page/apply_plan.ts";
+import type { TextTransfer } from "../../store/page/command_arguments.ts";
 import { IconButton } from "../../ui/button.tsx";
 import { useChosenRows } from "../../ui/chosen_rows.ts";
 import { ContextMenu, type MenuItem } from "../../ui/menu.tsx";

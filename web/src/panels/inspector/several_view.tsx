@@ -30,7 +30,7 @@ export function SeveralView({ context, elements, isSelected }: SeveralViewProps)
       <Fold title="Selected" count={elements.length}>
         <Chosen context={context} elements={elements} />
       </Fold>
-      {isSelected && <Actions run={context.run} />}
+      {isSelected && <Actions />}
       {editable.length > 0 && <Background context={context} paths={editable} />}
     </>
   );
@@ -77,16 +77,21 @@ function Chosen({
 }
 
 /** Commands of the menus Edit and Arrange that are available for several elements. */
-function Actions({ run }: { run: InspectorContext["run"] }) {
+function Actions() {
   const { commands, context } = useHost();
   const now = context();
   const offered = commands.all().filter((command) => isOffered(command, now));
   return (
     <Fold title="All selected">
       <div className="inspector-buttons">
-        {offered.map(({ id, title, detail, keys }) => (
-          <Button key={id} title={detail ?? title} keys={keys?.[0]} onClick={() => run(id)}>
-            {title}
+        {offered.map((command) => (
+          <Button
+            key={command.id}
+            title={command.detail ?? command.title}
+            keys={command.keys?.[0]}
+            onClick={() => void commands.choose(command, context())}
+          >
+            {command.title}
           </Button>
         ))}
       </div>

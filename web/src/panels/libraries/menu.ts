@@ -19,8 +19,10 @@ export function libraryMenu(
 ): readonly MenuItem[] {
   const context = host.context();
   const { page } = context;
-  const can = (id: string) => host.commands.get(id)?.enabled?.(context) !== false;
-  const insert = (id: string) => () => void host.commands.run(id, context, library);
+  const can = (id: "insert.library" | "insert.template") =>
+    host.commands.get(id)?.enabled?.(context) !== false;
+  const insert = (id: "insert.library" | "insert.template") => () =>
+    void host.commands.run(id, context, library);
   return [
     {
       id: "add",

@@ -4,7 +4,7 @@ import { Clock, Copy, X } from "lucide-react";
 import type { Watch } from "../../store/history/run.ts";
 import { runTimes, wallTime } from "../../store/page/times.ts";
 import { Button, IconButton } from "../../ui/button.tsx";
-import { useCommand } from "../context.tsx";
+import { useHost } from "../context.tsx";
 import type { LogEntry } from "./entries.ts";
 import { TracebackView } from "./traceback_view.tsx";
 
@@ -28,7 +28,7 @@ export function ChosenLine({
   onLine,
   onClose,
 }: ChosenLineProps) {
-  const run = useCommand();
+  const { commands, context } = useHost();
   const { text, action, line, at_ms, level } = entry;
   return (
     <section className="log-full" aria-label="Selected line">
@@ -58,7 +58,7 @@ export function ChosenLine({
           Copy
         </Button>
         {action && (
-          <Button onClick={() => run(action.command, action.argument)}>{action.title}</Button>
+          <Button onClick={() => void commands.call(action, context())}>{action.title}</Button>
         )}
         <IconButton label="Close selected line" icon={<X size={15} />} onClick={onClose} />
       </div>

@@ -6,6 +6,7 @@ import { silenceLeft } from "../../commands/control.ts";
 import { lacks } from "../../commands/run_rules.ts";
 import { isLive } from "../../model/run_words.ts";
 import type { Watch } from "../../store/history/run.ts";
+import type { FreeCommandId } from "../../store/page/command_arguments.ts";
 import { wallTime } from "../../store/page/times.ts";
 import { sessionOfPage } from "../../store/run/running.ts";
 import { Button } from "../../ui/button.tsx";
@@ -204,10 +205,12 @@ function Override() {
   );
 }
 
+type ControlId = Extract<FreeCommandId, `control.${string}`>;
+
 interface MoveProps {
-  readonly command: string;
+  readonly command: ControlId;
   readonly title: string;
-  readonly argument?: unknown;
+  readonly argument?: string;
   readonly sign?: ReactNode;
   readonly primary?: boolean;
   /** True to disable the button. The default depends on the command's own refusal. */
@@ -223,7 +226,7 @@ function Move({ command, title, argument, sign, primary, disabled }: MoveProps) 
       icon={sign}
       disabled={disabled ?? refusal !== null}
       title={refusal ? `${title}: ${refusal}` : undefined}
-      onClick={() => run(command, argument)}
+      onClick={() => (command === "control.hand-over" ? run(command, argument) : run(command))}
     >
       {title}
     </Button>

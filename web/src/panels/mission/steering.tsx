@@ -2,8 +2,8 @@
 
 import { CirclePause, CirclePlay, CircleStop, Footprints, type LucideIcon } from "lucide-react";
 import type { MouseEvent, ReactNode } from "react";
-import { SURE } from "../../commands/run.ts";
 import type { Watch } from "../../store/history/run.ts";
+import type { FreeCommandId } from "../../store/page/command_arguments.ts";
 import { useConfirmPress } from "../../ui/confirm_press.ts";
 import { isSameRecord, useComputed } from "../../ui/signals.ts";
 import { useCommand, useHost, useRefusalOf } from "../context.tsx";
@@ -18,7 +18,7 @@ export function Steering() {
         name="Stop"
         sign={CircleStop}
         refusal={refusal["run.stop"]}
-        onSure={() => run("run.stop", SURE)}
+        onSure={() => run("run.stop", "sure")}
       />
       <ConfirmButton
         className="mission-pause"
@@ -103,7 +103,7 @@ function ActionButton({
   sign: Sign,
   refusal,
   command,
-}: PressProps & { readonly command: string }) {
+}: PressProps & { readonly command: FreeCommandId }) {
   const run = useCommand();
   return (
     <Large className="mission-once" refusal={refusal} name={name} onClick={() => run(command)}>

@@ -154,21 +154,19 @@ function useItems(run: RunSummary, inFront: string | null): () => readonly MenuI
   const refusal = isLive(run.phase)
     ? "the run is active: stop it first"
     : lacks(page, "administer");
-  const item = (id: string, title: string, name: string, argument: unknown = run.id) => ({
-    id,
-    title,
-    run: () => command(name, argument),
-  });
+  const item = (id: string, title: string, act: () => void) => ({ id, title, run: act });
   return () => [
-    item("show", "Show", "run.show"),
-    item("ran", "Show the machine as it ran", "run.show-as-ran"),
+    item("show", "Show", () => command("run.show", run.id)),
+    item("ran", "Show the machine as it ran", () => command("run.show-as-ran", run.id)),
     {
-      ...item("compare", "Compare with the current run", "run.compare"),
+      ...item("compare", "Compare with the current run", () => command("run.compare", run.id)),
       disabled: inFront === null || inFront === run.id,
     },
     "separator",
     ...EXPORTS.map((format) =>
-      item(format, `Export as ${format.toUpperCase()}`, "run.export", [run.id, format]),
+      item(format, `Export as ${format.toUpperCase()}`, () =>
+        command("run.export", { run: run.id, format }),
+      ),
     ),
     "separator",
     {

@@ -44,7 +44,7 @@ test("equal notices are one that counts, with the newest's place", () => {
 });
 
 test("another level, action or place is another notice", () => {
-  const action = { title: "Look", command: "mission.show" };
+  const action = { title: "Look", command: "mission.show" } as const;
   const about = { machine: "m", element: { kind: "state", path: "R" } } as const;
   const notices = noticesAfter(
     warning("a"),
@@ -74,7 +74,7 @@ test("the notice centre has a hundred open notices at most, errors and actions b
   const offered = offeredNotices(open);
   expect(offered.length).toBe(100);
   check(offered.slice(-1), ["50 50"]);
-  const action = { title: "Look", command: "mission.show" };
+  const action = { title: "Look", command: "mission.show" } as const;
   const urgent = noticesAfter(
     { level: "error", text: "lost" },
     { ...warning("a"), action },

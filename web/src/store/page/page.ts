@@ -11,6 +11,7 @@ import type {
 } from "../../model/generated/protocol.ts";
 import type { MachineSession } from "../document/machine_session.ts";
 import type { Runs, Watch } from "../history/run.ts";
+import type { CommandCall } from "./command_arguments.ts";
 import type { Server } from "./server.ts";
 import type { TimeScale } from "./times.ts";
 import type { SessionView } from "./view.ts";
@@ -34,11 +35,7 @@ export interface Notice {
   readonly level: "info" | "warning" | "error";
   readonly text: string;
   /** Command to offer as a button, by id. */
-  readonly action?: {
-    readonly title: string;
-    readonly command: string;
-    readonly argument?: unknown;
-  };
+  readonly action?: CommandCall & { readonly title: string };
   /** Subject of the notice: a click reveals it. */
   readonly about?: { readonly machine: string; readonly element: ElementRef };
   /** True if the notice is shown in place, and otherwise only in the log. */
