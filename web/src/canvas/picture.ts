@@ -81,57 +81,39 @@ const EMPTY: DrawList = { layers: [], wanted: [], soon: [], unfinished: false };
 /** Adds a picture to an element, and keeps it up to date. */
 export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPicture {
   const { session, view } = options.tab;
-  const canvas = document.createElement("canvas");
-  canvas.style.cssText = "display:block;width:100%;height:100%";
-  place.append(canvas);
+  const canvas = canvasIn(place);
   const context = canvas.getContext("2d", { alpha: false, desynchronized: false });
   const theme = signal(0);
   const fault = signal<string | null>(null);
   let colours: Colours = coloursOf(place);
   let measure = context && measureWith(context);
-  let size: Size = { width: place.clientWidth, height: place.clientHeight };
+  let size = sizeOf(place);
   let list = EMPTY;
   let frame = 0;
-  /** Duration of the last frame without routing, in ms. */
+  // Duration of the last frame without routing, in ms.
   let lasted = 0;
   const listeners = new Set<() => void>();
   const idleRouter = new IdleRouter();
 
-  const layout = () => {
-    const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
-    return layoutTreeOf(session.machine, shown, options.overlay().provisional);
-  };
+  const layout = () => layoutOf(options);
   const draw = () => {
     if (!context || !measure || size.width === 0 || size.height === 0) return;
     const from = performance.now();
     const routing = routingTime(FRAME_MS - lasted);
     const input = inputOf(options, layout(), size, measure, routing.mayGoOn);
-    list = scene(input);
     const ghost = view.ghost.peek();
-    if (ghost) list = withGhost(list, ghostLayers(input, ghost));
+    list = ghost ? withGhost(scene(input), ghostLayers(input, ghost)) : scene(input);
     scaledContext(canvas, size);
-    context.fillStyle = colours["ground"] ?? "";
-    context.fillRect(0, 0, size.width, size.height);
-    paint(context, list, colours);
-    const until = performance.now();
-    lasted = until - from - routing.used();
-    performance.clearMeasures("rafcon:frame");
-    performance.measure("rafcon:frame", { start: from, end: until });
+    paintOver(context, size, list, colours);
+    lasted = measureFrame(from) - routing.used();
     for (const path of list.wanted) libraries.load(path);
     if (list.unfinished) redraw();
     else idleRouter.look(list.soon);
     for (const listener of listeners) listener();
   };
-  /** Draws, and stores errors in `fault`. Uncaught, they would leave an outdated picture without a message. */
   const drawOrTell = () => {
     frame = 0;
-    try {
-      draw();
-      fault.value = null;
-    } catch (error) {
-      console.error(error);
-      fault.value = error instanceof Error ? error.message : String(error);
-    }
+    fault.value = faultOf(draw);
   };
   const redraw = () => {
     if (frame === 0) frame = requestAnimationFrame(drawOrTell);
@@ -145,7 +127,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
       redraw();
     },
     sized: () => {
-      size = { width: place.clientWidth, height: place.clientHeight };
+      size = sizeOf(place);
       redraw();
     },
     lettered: () => {
@@ -158,9 +140,7 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
     canvas,
     size: () => size,
     layout,
-    runs: () => options.runOverlay?.().runs ?? PLAIN.runs,
-    breakpoints: () => options.runOverlay?.().breakpoints ?? PLAIN.breakpoints,
-    taken: () => options.runOverlay?.().taken ?? PLAIN.taken,
+    ...overlayReaders(options),
     list: () => list,
     redraw,
     colours: () => colours,
@@ -177,6 +157,60 @@ export function pictureIn(place: HTMLElement, options: PictureOptions): CanvasPi
       stop();
       canvas.remove();
     },
+  };
+}
+
+function paintOver(
+  context: CanvasRenderingContext2D,
+  size: Size,
+  list: DrawList,
+  colours: Colours,
+) {
+  context.fillStyle = colours["ground"] ?? "";
+  context.fillRect(0, 0, size.width, size.height);
+  paint(context, list, colours);
+}
+
+/** Error of a function; null if there is none. Uncaught, it would leave an outdated picture without a message. */
+function faultOf(act: () => void): string | null {
+  try {
+    act();
+    return null;
+  } catch (error) {
+    console.error(error);
+    return error instanceof Error ? error.message : String(error);
+  }
+}
+
+function sizeOf({ clientWidth, clientHeight }: HTMLElement): Size {
+  return { width: clientWidth, height: clientHeight };
+}
+
+function canvasIn(place: HTMLElement): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  canvas.style.cssText = "display:block;width:100%;height:100%";
+  place.append(canvas);
+  return canvas;
+}
+
+function layoutOf({ tab: { session, view }, overlay }: PictureOptions): LayoutTree {
+  const shown = { modes: view.modes.peek(), contents: view.contents.peek() };
+  return layoutTreeOf(session.machine, shown, overlay().provisional);
+}
+
+/** Reports the duration of a frame to the browser's performance tools, and returns it in ms. */
+function measureFrame(start: number): number {
+  const end = performance.now();
+  performance.clearMeasures("rafcon:frame");
+  performance.measure("rafcon:frame", { start, end });
+  return end - start;
+}
+
+function overlayReaders({ runOverlay }: PictureOptions) {
+  return {
+    runs: () => runOverlay?.().runs ?? PLAIN.runs,
+    breakpoints: () => runOverlay?.().breakpoints ?? PLAIN.breakpoints,
+    taken: () => runOverlay?.().taken ?? PLAIN.taken,
   };
 }
 

@@ -90,16 +90,8 @@ export function Table<T>(props: TableProps<T>) {
   const headPx = props.hideHead ? 0 : HEAD_PX;
   const sight = useRowsInSight(place, rows.length, rowHeight(), headPx);
   const scrolled = useScrolled(place, follow, rows.length);
-  const { inSight } = props;
   const { show } = sight;
-  const latest = useRef(props);
-  latest.current = props;
-  useEffect(() => {
-    const index = latest.current.rows.findIndex((row) => latest.current.id(row) === inSight);
-    if (inSight === undefined || index < 0) return;
-    show(index, "centre");
-    scrolled.note();
-  }, [inSight, show, scrolled]);
+  useInSight(props, show, scrolled.note);
   const at = rows.findIndex((row) => id(row) === active?.row);
   const go = (index: number, column: number, how = ALONE) => {
     const row = rows[Math.max(0, Math.min(rows.length - 1, index))];
@@ -110,18 +102,10 @@ export function Table<T>(props: TableProps<T>) {
     scrolled.note();
     props.onSelect?.(row, how);
   };
-  const { newRow } = props;
-  const begin = useRef(go);
-  begin.current = go;
-  useEffect(() => {
-    const { rows, columns, id } = latest.current;
-    const index = rows.findIndex((row) => id(row) === newRow);
-    const row = rows[index];
-    const column = columns.findIndex(({ edit }) => row !== undefined && edit?.value(row) != null);
-    if (newRow === undefined || column < 0) return;
-    begin.current(index, column);
+  useNewRow(props, (index, column) => {
+    go(index, column);
     setEditing(true);
-  }, [newRow]);
+  });
   const template = columns.map((column) => column.width ?? "minmax(0, 1fr)").join(" ");
   const cursor: Cursor = { at, column: active?.column ?? 0, editing, setEditing, go };
   const stop = (step: CellStep) => {
@@ -172,6 +156,38 @@ export function Table<T>(props: TableProps<T>) {
       </div>
     </div>
   );
+}
+
+/** Scrolls the row of `inSight` into view whenever it is another. */
+function useInSight<T>(
+  props: TableProps<T>,
+  show: (index: number, how?: "centre") => void,
+  note: () => void,
+): void {
+  const latest = useRef({ props, note });
+  latest.current = { props, note };
+  const { inSight } = props;
+  useEffect(() => {
+    const { rows, id } = latest.current.props;
+    const index = rows.findIndex((row) => id(row) === inSight);
+    if (inSight === undefined || index < 0) return;
+    show(index, "centre");
+    latest.current.note();
+  }, [inSight, show]);
+}
+
+/** Begins to edit the first cell of a row that was just added. */
+function useNewRow<T>(props: TableProps<T>, edit: (index: number, column: number) => void): void {
+  const latest = useRef({ props, edit });
+  latest.current = { props, edit };
+  const { newRow } = props;
+  useEffect(() => {
+    const { rows, columns, id } = latest.current.props;
+    const index = rows.findIndex((row) => id(row) === newRow);
+    const row = rows[index];
+    const column = columns.findIndex(({ edit }) => row !== undefined && edit?.value(row) != null);
+    if (newRow !== undefined && column >= 0) latest.current.edit(index, column);
+  }, [newRow]);
 }
 
 interface Cursor {

@@ -46,11 +46,45 @@ function firstLibrary(nodes: readonly ChooserNode[]): ChooserNode | null {
   return null;
 }
 
+/** Expanded folders: roots, and all during a search, except those that the user has toggled. */
+function useExpanded(roots: readonly ChooserNode[], isSearching: boolean) {
+  const [toggled, setToggled] = useState<ReadonlySet<string>>(new Set());
+  const expanded = useMemo(() => {
+    const open = new Set<string>();
+    const add = (node: ChooserNode, depth: number) => {
+      const isOpen = depth === 0 || isSearching;
+      if (isOpen !== toggled.has(keyOf(node))) open.add(keyOf(node));
+      for (const child of node.children ?? []) add(child, depth + 1);
+    };
+    for (const root of roots) add(root, 0);
+    return open;
+  }, [roots, isSearching, toggled]);
+  const toggle = (node: ChooserNode) =>
+    setToggled((before) => {
+      const next = new Set(before);
+      if (!next.delete(keyOf(node))) next.add(keyOf(node));
+      return next;
+    });
+  return { expanded, toggle };
+}
+
+function LibraryRow({ node }: { readonly node: ChooserNode }) {
+  return (
+    <>
+      {node.children === null ? (
+        <Library size={14} className="tree-icon tree-icon-machine" aria-hidden />
+      ) : (
+        <Folder size={14} className="tree-icon" aria-hidden />
+      )}
+      {node.name}
+    </>
+  );
+}
+
 export function LibraryChooser({ asks, answer }: NamedDialogProps<"library">) {
   const { page } = useSession();
   const roots = useSignal(page.libraries);
   const [search, setSearch] = useState("");
-  const [toggled, setToggled] = useState<ReadonlySet<string>>(new Set());
   const [chosen, setChosen] = useState<ChooserNode | null>(null);
   const nodes = useMemo(
     () =>
@@ -62,16 +96,7 @@ export function LibraryChooser({ asks, answer }: NamedDialogProps<"library">) {
     [roots],
   );
   const shown = useMemo(() => matching(nodes, search.trim().toLowerCase()), [nodes, search]);
-  const expanded = useMemo(() => {
-    const open = new Set<string>();
-    const add = (node: ChooserNode, depth: number) => {
-      const isOpen = depth === 0 || search.trim() !== "";
-      if (isOpen !== toggled.has(keyOf(node))) open.add(keyOf(node));
-      for (const child of node.children ?? []) add(child, depth + 1);
-    };
-    for (const node of shown) add(node, 0);
-    return open;
-  }, [shown, search, toggled]);
+  const { expanded, toggle } = useExpanded(shown, search.trim() !== "");
   const first = search.trim() === "" ? null : firstLibrary(shown);
   const wanted = chosen ?? first;
   const take = (node: ChooserNode | null) => {
@@ -126,25 +151,10 @@ export function LibraryChooser({ asks, answer }: NamedDialogProps<"library">) {
               expanded={expanded}
               selected={new Set(wanted ? [keyOf(wanted)] : [])}
               reveal={first ? keyOf(first) : null}
-              onExpand={(node) =>
-                setToggled((before) => {
-                  const next = new Set(before);
-                  if (!next.delete(keyOf(node))) next.add(keyOf(node));
-                  return next;
-                })
-              }
+              onExpand={toggle}
               onSelect={setChosen}
               onOpen={take}
-              row={(node) => (
-                <>
-                  {node.children === null ? (
-                    <Library size={14} className="tree-icon tree-icon-machine" aria-hidden />
-                  ) : (
-                    <Folder size={14} className="tree-icon" aria-hidden />
-                  )}
-                  {node.name}
-                </>
-              )}
+              row={(node) => <LibraryRow node={node} />}
             />
           )}
         </div>

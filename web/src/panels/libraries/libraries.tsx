@@ -53,37 +53,18 @@ export function Libraries() {
     () => (shown === nodes ? (open ?? new Set(nodes.map(({ key }) => key))) : foldersIn(shown)),
     [shown, nodes, open],
   );
-  if (roots.length === 0) {
-    return (
-      <Empty
-        icon={<LibrarySign size={22} />}
-        title="No libraries"
-        text="Machines in library roots can be used as states. List the roots under LIBRARY_PATHS in config.yaml, or start the server with --library-path name=folder."
-      />
-    );
-  }
+  if (roots.length === 0) return <NoLibraries />;
   const choose = (library: LibraryName | null) => {
     setChosen(library);
     if (library?.path !== used?.path || library?.name !== used?.name) setUsed(null);
   };
   return (
     <div className="libraries">
-      <div className="libraries-bar">
-        <TextField
-          label="Filter libraries"
-          hideLabel
-          type="search"
-          placeholder="Filter libraries"
-          key={wanted ? `${wanted.path}/${wanted.name}` : ""}
-          value=""
-          onInput={setQuery}
-        />
-        <IconButton
-          label="Fold all"
-          icon={<ChevronsDownUp size={14} />}
-          onClick={() => setOpen(new Set())}
-        />
-      </div>
+      <LibraryBar
+        key={wanted ? `${wanted.path}/${wanted.name}` : ""}
+        onQuery={setQuery}
+        onFold={() => setOpen(new Set())}
+      />
       {tab && <Changed key={tab.session.id} tab={tab} />}
       {shown.length === 0 ? (
         <Empty title="No library" text={`No library or folder name contains “${query}”.`} />
@@ -125,6 +106,37 @@ export function Libraries() {
           onClose={() => setMenu(null)}
         />
       )}
+    </div>
+  );
+}
+
+function NoLibraries() {
+  return (
+    <Empty
+      icon={<LibrarySign size={22} />}
+      title="No libraries"
+      text="Machines in library roots can be used as states. List the roots under LIBRARY_PATHS in config.yaml, or start the server with --library-path name=folder."
+    />
+  );
+}
+
+interface LibraryBarProps {
+  readonly onQuery: (query: string) => void;
+  readonly onFold: () => void;
+}
+
+function LibraryBar({ onQuery, onFold }: LibraryBarProps) {
+  return (
+    <div className="libraries-bar">
+      <TextField
+        label="Filter libraries"
+        hideLabel
+        type="search"
+        placeholder="Filter libraries"
+        value=""
+        onInput={onQuery}
+      />
+      <IconButton label="Fold all" icon={<ChevronsDownUp size={14} />} onClick={onFold} />
     </div>
   );
 }
