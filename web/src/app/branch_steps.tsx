@@ -2,7 +2,7 @@
 
 import { ArrowDownToLine, ArrowRightToLine, ArrowUpFromLine, Undo2 } from "lucide-react";
 import { useEffect, useRef } from "react";
-import { screenBox } from "../canvas/camera.ts";
+import { screenBox } from "../canvas/camera/camera.ts";
 import type { CanvasPicture } from "../canvas/picture.ts";
 import type { Box } from "../model/geometry.ts";
 import { namesTo } from "../model/machine.ts";

@@ -4,7 +4,7 @@ import type { ElementRef } from "../model/element.ts";
 import type { Box, Point } from "../model/geometry.ts";
 import { parentOf } from "../model/path.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
-import { filling } from "./framing.ts";
+import { filling } from "./camera/framing.ts";
 import type { InteractionController, InteractionHost } from "./interaction.ts";
 import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";

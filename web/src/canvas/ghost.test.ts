@@ -3,7 +3,7 @@ import { machineOf } from "../model/plain.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { type GhostMachine, MODES } from "../store/page/view.ts";
 import { ghostBox, ghostLayers } from "./ghost.ts";
-import { layoutTreeOf } from "./layout_tree.ts";
+import { layoutTreeOf } from "./layout/layout_tree.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { PLAIN, type SceneInput } from "./scene/input.ts";
 

@@ -4,7 +4,7 @@ import { elementOf } from "../model/element.ts";
 import type { Box } from "../model/geometry.ts";
 import { childBox, rootSize } from "../model/layout_reader.ts";
 import type { GhostMachine } from "../store/page/view.ts";
-import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
+import { type LayoutTree, layoutTreeOf } from "./layout/layout_tree.ts";
 import { NO_OVERLAY } from "./overlay.ts";
 import { PLAIN, type SceneInput } from "./scene/input.ts";
 import type { BoxMark, DrawList, Layer } from "./scene/list.ts";

@@ -4,7 +4,7 @@ import type { ElementRef } from "../model/element.ts";
 import { distance, type Point } from "../model/geometry.ts";
 import type { Dragged } from "../store/page/dragged.ts";
 import type { InteractionController } from "./interaction.ts";
-import type { ReaderTree } from "./reader.ts";
+import type { ReaderTree } from "./reader/reader.ts";
 import type { Pointer } from "./tools/gesture.ts";
 
 interface Hearers {

@@ -10,20 +10,20 @@ import type { CommandCall } from "../store/page/command_arguments.ts";
 import { dragged } from "../store/page/dragged.ts";
 import type { OpenTab, Page } from "../store/page/page.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
-import { panned, screenBox, visibleBox } from "./camera.ts";
+import { panned, screenBox, visibleBox } from "./camera/camera.ts";
+import { firstLook } from "./camera/first_look.ts";
+import { Flight, WINDOW_FRAMES } from "./camera/flight.ts";
+import { followRun } from "./camera/follow.ts";
+import { minimapIn } from "./camera/minimap.ts";
 import type { CanvasControl } from "./control.ts";
-import { urgentWords } from "./describe.ts";
-import { firstLook } from "./first_look.ts";
-import { Flight, WINDOW_FRAMES } from "./flight.ts";
-import { followRun } from "./follow.ts";
 import { nameArea } from "./hit/hit.ts";
 import { extentOn } from "./hit/shown.ts";
 import { InteractionController } from "./interaction.ts";
 import { listen } from "./listen.ts";
-import { minimapIn } from "./minimap.ts";
 import { type CanvasPicture, pictureIn, type RunOverlay } from "./picture.ts";
 import { pulsesOver } from "./pulses.ts";
-import { ReaderTree, treeLines } from "./reader.ts";
+import { urgentWords } from "./reader/describe.ts";
+import { ReaderTree, treeLines } from "./reader/reader.ts";
 import { renameField } from "./rename_field.ts";
 
 interface MountOptions {

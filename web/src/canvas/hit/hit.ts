@@ -6,11 +6,11 @@ import { type Box, contains, distance, type Point } from "../../model/geometry.t
 import type { PortPlace } from "../../model/layout_reader.ts";
 import type { Machine } from "../../model/machine.ts";
 import type { Camera } from "../../store/page/view.ts";
-import { BREAKPOINT_REACH, breakpointSpot } from "../breakpoint_spot.ts";
-import { screenBox, screenFromWorld, worldFromScreen } from "../camera.ts";
-import type { Route } from "../layout.ts";
-import type { LayoutNode } from "../layout_node.ts";
-import { type LayoutTree, pointAt } from "../layout_tree.ts";
+import { screenBox, screenFromWorld, worldFromScreen } from "../camera/camera.ts";
+import { BREAKPOINT_REACH, breakpointSpot } from "../layout/breakpoint_spot.ts";
+import type { Route } from "../layout/layout.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
+import { type LayoutTree, pointAt } from "../layout/layout_tree.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { stickyFrame } from "../scene/sticky.ts";
 import { distanceToLine, middlesOf } from "./lines.ts";

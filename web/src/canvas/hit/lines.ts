@@ -2,7 +2,7 @@
 
 import { distance, type Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
-import type { Route } from "../layout.ts";
+import type { Route } from "../layout/layout.ts";
 
 /** Distance in CSS pixels between a point of the view and a line in the root's coordinates. */
 export function distanceToLine(points: readonly Point[], point: Point, camera: Camera): number {

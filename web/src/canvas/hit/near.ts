@@ -2,8 +2,8 @@
 
 import type { Box, Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
-import { worldFromScreen } from "../camera.ts";
-import type { LayoutTree, NodeFrame } from "../layout_tree.ts";
+import { worldFromScreen } from "../camera/camera.ts";
+import type { LayoutTree, NodeFrame } from "../layout/layout_tree.ts";
 
 /** Children that a box in the root's coordinates touches, in drawing order. */
 export function childrenIn(layout: LayoutTree, path: string, area: Box): readonly string[] {

@@ -12,7 +12,7 @@ import {
 } from "../../model/machine.ts";
 import { childPath, idOf, parentOf } from "../../model/path.ts";
 import type { Camera } from "../../store/page/view.ts";
-import type { Route } from "../layout.ts";
+import type { Route } from "../layout/layout.ts";
 import { extent } from "../scene/detail.ts";
 import type { CanvasLook } from "./look.ts";
 

@@ -1,7 +1,7 @@
 /** Breakpoints on the canvas: a dot on the border, hollow if it is disabled. A pale dot on a hovered state shows where a click
  * sets one. */
 
-import { breakpointSpot } from "../breakpoint_spot.ts";
+import { breakpointSpot } from "../layout/breakpoint_spot.ts";
 import type { SceneBuilder, SceneNode } from "./builder.ts";
 import { groundInk } from "./ring.ts";
 

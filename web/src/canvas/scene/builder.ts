@@ -3,7 +3,7 @@
 import type { ElementKey } from "../../model/element.ts";
 import { elementOf } from "../../model/element.ts";
 import type { Box } from "../../model/geometry.ts";
-import type { LayoutNode } from "../layout_node.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
 import { highlightedBy } from "./highlight.ts";
 import type { SceneInput } from "./input.ts";
 import type { Label, SignGroup } from "./labels.ts";

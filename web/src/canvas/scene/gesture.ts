@@ -2,7 +2,7 @@
 
 import { elementOf } from "../../model/element.ts";
 import type { Box, Point } from "../../model/geometry.ts";
-import { screenBox, screenFromWorld } from "../camera.ts";
+import { screenBox, screenFromWorld } from "../camera/camera.ts";
 import type { SceneBuilder } from "./builder.ts";
 import { TEXT } from "./detail.ts";
 import type { BoxMark, Layer, LineMark } from "./list.ts";

@@ -3,8 +3,8 @@
 
 import { type ElementKey, type ElementRef, elementOf, keyOf } from "../../model/element.ts";
 import { parentOf } from "../../model/path.ts";
-import type { LayoutTree } from "../layout_tree.ts";
-import type { RoutedLine } from "../lines.ts";
+import type { LayoutTree } from "../layout/layout_tree.ts";
+import type { RoutedLine } from "../layout/lines.ts";
 
 const NOTHING: ReadonlySet<ElementKey> = new Set();
 

@@ -5,7 +5,7 @@ import type { Severity } from "../../model/generated/protocol.ts";
 import type { Size } from "../../model/geometry.ts";
 import type { Camera, ViewModes } from "../../store/page/view.ts";
 import type { LineMarkOfRun, RunMark } from "../../store/run/marks.ts";
-import type { LayoutTree } from "../layout_tree.ts";
+import type { LayoutTree } from "../layout/layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 
 /** Kind of difference between a part and the machine that it is compared with. */

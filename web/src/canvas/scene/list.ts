@@ -1,6 +1,6 @@
 /** Draw list: marks in CSS pixels of the view, layer by layer. Inks are names; only `paint` maps them to colours. */
 
-import type { LayoutNode } from "../layout_node.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
 
 /** Name of a colour, a shade by depth such as `shade0`, or a CSS colour. */
 export type Ink = string;

@@ -4,7 +4,7 @@ import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { MODES } from "../../store/page/view.ts";
 import type { RunMark } from "../../store/run/marks.ts";
-import { layoutTreeOf } from "../layout_tree.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN } from "./input.ts";
 import type { TextMark } from "./list.ts";

@@ -4,7 +4,7 @@ import { sketch } from "../../model/testing/sketch.ts";
 import { sinceStart } from "../../store/page/times.ts";
 import { MODES } from "../../store/page/view.ts";
 import type { RunMark } from "../../store/run/marks.ts";
-import { layoutTreeOf } from "../layout_tree.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
 import { scene } from "./scene.ts";

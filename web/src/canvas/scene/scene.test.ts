@@ -3,7 +3,7 @@ import type { Machine } from "../../model/machine.ts";
 import { machineOf } from "../../model/plain.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { type Camera, MODES } from "../../store/page/view.ts";
-import { layoutTreeOf } from "../layout_tree.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { PLAIN, type SceneInput } from "./input.ts";
 import { scene } from "./scene.ts";

@@ -1,6 +1,6 @@
 /** Visible part of a machine and its level of detail: a pure function from the camera to a list of marks. */
 
-import type { LayoutNode } from "../layout_node.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
 import { SceneBuilder, type SceneNode, shade } from "./builder.ts";
 import { connectionMarks } from "./connections.ts";
 import { DETAIL, extent, SPECK } from "./detail.ts";

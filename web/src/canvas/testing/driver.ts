@@ -16,9 +16,9 @@ import { OptimisticDocument } from "../../store/document/optimistic_document.ts"
 import { predictedWrites } from "../../store/document/predict/predict.ts";
 import type { Dragged } from "../../store/page/dragged.ts";
 import { newView, type SessionView, select, selected } from "../../store/page/view.ts";
-import { screenFromWorld } from "../camera.ts";
+import { screenFromWorld } from "../camera/camera.ts";
 import { InteractionController } from "../interaction.ts";
-import { type LayoutTree, layoutTreeOf } from "../layout_tree.ts";
+import { type LayoutTree, layoutTreeOf } from "../layout/layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import type { Pointer } from "../tools/gesture.ts";
 import type { Wheel } from "../tools/pan.ts";

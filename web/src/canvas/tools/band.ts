@@ -5,7 +5,7 @@ import { type Box, contains, intersects, type Point } from "../../model/geometry
 import { withLines } from "../hit/hit.ts";
 import { childrenIn, inFrame } from "../hit/near.ts";
 import { extentOn, isRouteShown } from "../hit/shown.ts";
-import { type NodeFrame, pointAt } from "../layout_tree.ts";
+import { type NodeFrame, pointAt } from "../layout/layout_tree.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { DETAIL } from "../scene/detail.ts";
 import { type Gesture, type Pointer, type ToolContext, worldOf } from "./gesture.ts";

@@ -16,11 +16,11 @@ import {
   refused,
   together,
 } from "../../plan/plan.ts";
-import { screenBox, screenFromWorld, visibleBox } from "../camera.ts";
-import { described } from "../describe.ts";
+import { screenBox, screenFromWorld, visibleBox } from "../camera/camera.ts";
 import { gripAt, statesAt } from "../hit/hit.ts";
 import type { CanvasPort } from "../hit/look.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
+import { described } from "../reader/describe.ts";
 import { editsOf } from "./edits.ts";
 import {
   type Gesture,

@@ -9,7 +9,7 @@ import { isRefused, type Planned } from "../../plan/plan.ts";
 import { addState } from "../../plan/states.ts";
 import type { Dragged } from "../../store/page/dragged.ts";
 import { distanceToLine } from "../hit/lines.ts";
-import type { Route } from "../layout.ts";
+import type { Route } from "../layout/layout.ts";
 import { NO_OVERLAY, type Overlay } from "../overlay.ts";
 import { editsOf } from "./edits.ts";
 import { type Gesture, inState, type Pointer, type ToolContext, worldOf } from "./gesture.ts";

@@ -7,10 +7,10 @@ import type { Machine } from "../../model/machine.ts";
 import type { Planned } from "../../plan/plan.ts";
 import type { CommandCall } from "../../store/page/command_arguments.ts";
 import type { Camera } from "../../store/page/view.ts";
-import { worldFromScreen } from "../camera.ts";
+import { worldFromScreen } from "../camera/camera.ts";
 import type { CanvasLook } from "../hit/look.ts";
-import type { Layout } from "../layout.ts";
-import type { LayoutTree } from "../layout_tree.ts";
+import type { Layout } from "../layout/layout.ts";
+import type { LayoutTree } from "../layout/layout_tree.ts";
 import type { Overlay } from "../overlay.ts";
 
 /** Position of the pointer in CSS pixels of the view, and the pressed modifier keys. */

@@ -1,7 +1,7 @@
 /** Guide lines for the alignment of boxes that are moved or resized. All values are in the root's coordinates. */
 
 import { type Box, intersects, type Point } from "../../model/geometry.ts";
-import { visibleBox } from "../camera.ts";
+import { visibleBox } from "../camera/camera.ts";
 import { childrenIn } from "../hit/near.ts";
 import type { Overlay } from "../overlay.ts";
 import { stepFor } from "../scene/ruled.ts";

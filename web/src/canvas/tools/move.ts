@@ -11,7 +11,7 @@ import { allowedMove, lostConnections, move, moveInto } from "../../plan/move.ts
 import { isRefused, type Planned, together } from "../../plan/plan.ts";
 import { statesAt } from "../hit/hit.ts";
 import { distanceToLine } from "../hit/lines.ts";
-import type { Route } from "../layout.ts";
+import type { Route } from "../layout/layout.ts";
 import { NO_OVERLAY, type Overlay, showing } from "../overlay.ts";
 import { editsOf } from "./edits.ts";
 import {

@@ -2,7 +2,7 @@
 
 import { distance, type Point } from "../../model/geometry.ts";
 import type { Camera } from "../../store/page/view.ts";
-import { panned, zoomedAt } from "../camera.ts";
+import { panned, zoomedAt } from "../camera/camera.ts";
 import { NO_OVERLAY } from "../overlay.ts";
 import { type Gesture, minus, NOTHING, type Pointer } from "./gesture.ts";
 

@@ -5,7 +5,7 @@ import { distance, intersects, type Point } from "../../model/geometry.ts";
 import type { Machine } from "../../model/machine.ts";
 import { checkConnect } from "../../plan/connect.ts";
 import { isRefused, type Refused, refused } from "../../plan/plan.ts";
-import { screenFromWorld, visibleBox, worldFromScreen } from "../camera.ts";
+import { screenFromWorld, visibleBox, worldFromScreen } from "../camera/camera.ts";
 import type { CanvasPort } from "../hit/look.ts";
 import { childrenIn } from "../hit/near.ts";
 import { extentOn } from "../hit/shown.ts";

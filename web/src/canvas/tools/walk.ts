@@ -5,7 +5,7 @@ import { endsOf, flowEnds, isConnection, transitionEnds } from "../../model/ends
 import { centre } from "../../model/geometry.ts";
 import { dataFlowsOf, type Machine, startOf, transitionsOf } from "../../model/machine.ts";
 import { parentOf } from "../../model/path.ts";
-import type { Layout } from "../layout.ts";
+import type { Layout } from "../layout/layout.ts";
 
 export type Direction = "next" | "previous" | "in" | "out";
 

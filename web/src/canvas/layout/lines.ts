@@ -1,17 +1,17 @@
 /** Connections of one container, in its coordinates: the ports that they join, and their routes. */
 
-import { type ElementKey, keyOf } from "../model/element.ts";
+import { type ElementKey, keyOf } from "../../model/element.ts";
 import type {
   DataFlowDocument,
   StateDocument,
   TransitionDocument,
-} from "../model/generated/protocol.ts";
-import { type Point, type Size, sideOf } from "../model/geometry.ts";
-import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
-import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
-import { childPath, idOf } from "../model/path.ts";
+} from "../../model/generated/protocol.ts";
+import { type Point, type Size, sideOf } from "../../model/geometry.ts";
+import { type PortPlace, waypointsOf } from "../../model/layout_reader.ts";
+import { dataFlowsOf, transitionsOf } from "../../model/machine.ts";
+import { childPath, idOf } from "../../model/path.ts";
+import type { Routed, RouteEnd, RouteRequest } from "../routing/route.ts";
 import type { LayoutNode } from "./layout_node.ts";
-import type { Routed, RouteEnd, RouteRequest } from "./route.ts";
 
 /** A connection as in the machine's document. */
 export interface RoutedSource {

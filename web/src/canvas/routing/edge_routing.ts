@@ -1,12 +1,11 @@
 /** Incremental routing of the lines of a container, based on its previous lines. A line that joins the previous ports stays
  * unless something was added or removed beside it. */
 
-import { type Box, boundsOf, type Point } from "../model/geometry.ts";
-import { type PortPlace, waypointsOf } from "../model/layout_reader.ts";
-import { dataFlowsOf, transitionsOf } from "../model/machine.ts";
-import { curve } from "./curve.ts";
-import { Grid, same, touches } from "./grid.ts";
-import type { LayoutNode } from "./layout_node.ts";
+import { type Box, boundsOf, type Point } from "../../model/geometry.ts";
+import { type PortPlace, waypointsOf } from "../../model/layout_reader.ts";
+import { dataFlowsOf, transitionsOf } from "../../model/machine.ts";
+import { Grid, same, touches } from "../layout/grid.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
 import {
   type Joined,
   joined,
@@ -15,7 +14,8 @@ import {
   type RoutedSource,
   reachOf,
   sourcesOf,
-} from "./lines.ts";
+} from "../layout/lines.ts";
+import { curve } from "./curve.ts";
 import { nearFirst, routed } from "./route.ts";
 import { paceOf, RoutingLanes } from "./routing_lanes.ts";
 

@@ -1,12 +1,12 @@
 import fc from "fast-check";
 import { describe, expect, test } from "vitest";
-import type { Box, Point } from "../model/geometry.ts";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/testing/sketch.ts";
-import { MODES } from "../store/page/view.ts";
-import { touches } from "./grid.ts";
-import { layoutTreeOf } from "./layout_tree.ts";
-import type { RoutedLine } from "./lines.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { MODES } from "../../store/page/view.ts";
+import { touches } from "../layout/grid.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
+import type { RoutedLine } from "../layout/lines.ts";
 
 function linesOf(text: string): readonly RoutedLine[] {
   const machine = machineOf(sketch(text));

@@ -1,14 +1,14 @@
 /** `Layout` of the current machine, based on a tree that is cached between changes. */
 
-import type { Box, Point } from "../model/geometry.ts";
-import type { PortPlace } from "../model/layout_reader.ts";
-import type { Machine } from "../model/machine.ts";
-import { parentOf } from "../model/path.ts";
-import { provisional } from "../store/document/provisional.ts";
-import type { ViewModes } from "../store/page/view.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
+import type { Machine } from "../../model/machine.ts";
+import { parentOf } from "../../model/path.ts";
+import { provisional } from "../../store/document/provisional.ts";
+import type { ViewModes } from "../../store/page/view.ts";
+import type { ProvisionalEdit } from "../overlay.ts";
 import type { Layout, Route } from "./layout.ts";
 import { type ChangedPaths, type LayoutNode, type LayoutSource, treeOf } from "./layout_node.ts";
-import type { ProvisionalEdit } from "./overlay.ts";
 
 /** Settings of a view that affect positions. */
 interface LayoutView {

@@ -2,15 +2,15 @@
  * button folds the map away. */
 
 import { effect, signal } from "@preact/signals-core";
-import type { Box, Point, Size } from "../model/geometry.ts";
-import { scaledContext } from "../store/canvas_element.ts";
-import type { OpenTab } from "../store/page/page.ts";
-import type { Camera } from "../store/page/view.ts";
+import type { Box, Point, Size } from "../../model/geometry.ts";
+import { scaledContext } from "../../store/canvas_element.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import type { Camera } from "../../store/page/view.ts";
+import { inkOf } from "../paint/ink.ts";
+import { paint } from "../paint/paint.ts";
+import type { CanvasPicture } from "../picture.ts";
 import { fitted, screenBox, visibleBox, worldFromScreen } from "./camera.ts";
 import { overview } from "./overview.ts";
-import { inkOf } from "./paint/ink.ts";
-import { paint } from "./paint/paint.ts";
-import type { CanvasPicture } from "./picture.ts";
 
 const SIZE: Size = { width: 168, height: 104 };
 /** Resolution factor: the map is painted larger and then scaled down, for more detail. */

@@ -2,17 +2,17 @@
  * the user moves the camera. */
 
 import { effect } from "@preact/signals-core";
-import type { Box, Size } from "../model/geometry.ts";
-import { commonPath, parentOf } from "../model/path.ts";
-import type { OpenTab, Page } from "../store/page/page.ts";
-import type { Camera } from "../store/page/view.ts";
-import { activeStates, lanes, placeOfLane } from "../store/run/active.ts";
+import type { Box, Size } from "../../model/geometry.ts";
+import { commonPath, parentOf } from "../../model/path.ts";
+import type { OpenTab, Page } from "../../store/page/page.ts";
+import type { Camera } from "../../store/page/view.ts";
+import { activeStates, lanes, placeOfLane } from "../../store/run/active.ts";
+import { extentOn } from "../hit/shown.ts";
+import type { Layout } from "../layout/layout.ts";
+import type { CanvasPicture } from "../picture.ts";
 import { screenBox } from "./camera.ts";
 import type { Flight } from "./flight.ts";
 import { filling } from "./framing.ts";
-import { extentOn } from "./hit/shown.ts";
-import type { Layout } from "./layout.ts";
-import type { CanvasPicture } from "./picture.ts";
 
 /** Preferred and smallest size of an active state, in CSS pixels. */
 const GOOD = 56;

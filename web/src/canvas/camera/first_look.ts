@@ -1,11 +1,11 @@
 /** Camera of a machine when it is first shown: the kept one of its view, or the whole machine. */
 
-import type { Box, Size } from "../model/geometry.ts";
-import type { OpenTab } from "../store/page/page.ts";
-import { type Camera, FIRST_CAMERA } from "../store/page/view.ts";
+import type { Box, Size } from "../../model/geometry.ts";
+import type { OpenTab } from "../../store/page/page.ts";
+import { type Camera, FIRST_CAMERA } from "../../store/page/view.ts";
+import type { InteractionController } from "../interaction.ts";
 import { screenBox } from "./camera.ts";
 import { filling } from "./framing.ts";
-import type { InteractionController } from "./interaction.ts";
 
 /** Sets the camera as soon as the canvas has a size. After a resize the centre of the view, or the whole machine, stays visible.
  * Returns a function that stops this. */

@@ -1,7 +1,7 @@
 /** Camera positions that show given elements. */
 
-import { type Box, boundsOf, type Size } from "../model/geometry.ts";
-import type { Camera } from "../store/page/view.ts";
+import { type Box, boundsOf, type Size } from "../../model/geometry.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { fitted, screenBox } from "./camera.ts";
 
 /** Margin around boxes that fill the view, in CSS pixels. */

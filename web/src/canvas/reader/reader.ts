@@ -1,11 +1,11 @@
 /** The graph for screen readers: a hidden tree of the current level that mirrors the selection. Large levels are cut to the part
  * around the selection. */
 
-import { type ElementRef, keyOf } from "../model/element.ts";
-import type { Machine } from "../model/machine.ts";
-import { parentOf } from "../model/path.ts";
+import { type ElementRef, keyOf } from "../../model/element.ts";
+import type { Machine } from "../../model/machine.ts";
+import { parentOf } from "../../model/path.ts";
+import type { Layout } from "../layout/layout.ts";
 import { described, type Signs } from "./describe.ts";
-import type { Layout } from "./layout.ts";
 
 export interface TreeLine {
   readonly element: ElementRef;

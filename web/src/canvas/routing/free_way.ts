@@ -1,7 +1,7 @@
 /** Search for a route around states, used if every simple shape of a line crosses a state. The grid has columns and rows beside
  * the states near the ends. */
 
-import type { Box, Point } from "../model/geometry.ts";
+import type { Box, Point } from "../../model/geometry.ts";
 import type { RouteRequest } from "./route.ts";
 import type { RoutingLanes } from "./routing_lanes.ts";
 

@@ -1,10 +1,10 @@
 /** Tree of the states of a machine as nested boxes, each in the coordinates of its container. `Layout` and `scene` walk it. A
  * tree is immutable. After a change of the machine, or during a gesture, a new tree shares all unchanged nodes with the old one. */
 
-import { childBoxesOf } from "../model/default_places.ts";
-import { stateKey } from "../model/element.ts";
-import type { StateDocument } from "../model/generated/protocol.ts";
-import type { Box, Point, Size } from "../model/geometry.ts";
+import { childBoxesOf } from "../../model/default_places.ts";
+import { stateKey } from "../../model/element.ts";
+import type { StateDocument } from "../../model/generated/protocol.ts";
+import type { Box, Point, Size } from "../../model/geometry.ts";
 import {
   defaultChildBox,
   nameBox,
@@ -12,9 +12,9 @@ import {
   portPlaces,
   readLayout,
   rootSize,
-} from "../model/layout_reader.ts";
-import type { Machine } from "../model/machine.ts";
-import { EdgeRouting } from "./edge_routing.ts";
+} from "../../model/layout_reader.ts";
+import type { Machine } from "../../model/machine.ts";
+import { EdgeRouting } from "../routing/edge_routing.ts";
 import { Grid, same, touches } from "./grid.ts";
 import type { RoutedLine } from "./lines.ts";
 

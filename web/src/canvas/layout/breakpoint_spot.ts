@@ -1,6 +1,6 @@
 /** Position of the dot that shows and toggles a breakpoint: on the upper border of a state, near its left corner. */
 
-import type { Box, Point } from "../model/geometry.ts";
+import type { Box, Point } from "../../model/geometry.ts";
 
 /** Smallest shorter side of a box that has a dot, in CSS pixels. */
 const LEAST = 24;

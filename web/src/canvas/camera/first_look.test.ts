@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import type { Camera } from "../store/page/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { resized } from "./first_look.ts";
 import { filling } from "./framing.ts";
 

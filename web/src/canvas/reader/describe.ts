@@ -1,12 +1,18 @@
 /** Descriptions of elements for screen readers: "Scan, execution state, 2 outcomes, leads to Search". */
 
-import type { ElementRef } from "../model/element.ts";
-import { connectionInWords, isConnection, isPort, nameOf, transitionEnds } from "../model/ends.ts";
-import type { StateDocument } from "../model/generated/protocol.ts";
-import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../model/machine.ts";
-import { idOf, parentOf } from "../model/path.ts";
-import { KIND_WORDS } from "../plan/legal.ts";
-import type { MarkPhase, RunMark } from "../store/run/marks.ts";
+import type { ElementRef } from "../../model/element.ts";
+import {
+  connectionInWords,
+  isConnection,
+  isPort,
+  nameOf,
+  transitionEnds,
+} from "../../model/ends.ts";
+import type { StateDocument } from "../../model/generated/protocol.ts";
+import { type Machine, outcomesOf, portsOf, startOf, transitionsOf } from "../../model/machine.ts";
+import { idOf, parentOf } from "../../model/path.ts";
+import { KIND_WORDS } from "../../plan/legal.ts";
+import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
 
 /** Signs of a state that its description includes. */
 export interface Signs {

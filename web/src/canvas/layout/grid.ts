@@ -1,6 +1,6 @@
 /** Spatial index of boxes: finds the boxes in an area without a scan of all. */
 
-import { type Box, boundsOf } from "../model/geometry.ts";
+import { type Box, boundsOf } from "../../model/geometry.ts";
 
 /** Up to this many boxes are scanned one by one. */
 const FEW = 48;

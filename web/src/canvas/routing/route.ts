@@ -2,7 +2,7 @@
  * fast and local: it picks the cheapest of a few shapes for each line, given the lines before it. Lines to one target may share a
  * route, which merges them into a trunk; other lines keep apart. */
 
-import { type Box, distance, type Point } from "../model/geometry.ts";
+import { type Box, distance, type Point } from "../../model/geometry.ts";
 import { freeWay } from "./free_way.ts";
 import { type RoutingLanes, SHARED_FOR_UNIT } from "./routing_lanes.ts";
 

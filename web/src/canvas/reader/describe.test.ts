@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
-import type { ElementRef } from "../model/element.ts";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/testing/sketch.ts";
-import type { MarkPhase, RunMark } from "../store/run/marks.ts";
+import type { ElementRef } from "../../model/element.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
+import { ARM } from "../testing/driver.ts";
 import { described, type Signs, urgentWords } from "./describe.ts";
-import { ARM } from "./testing/driver.ts";
 
 const machine = machineOf(sketch(ARM));
 

@@ -1,7 +1,7 @@
 /** Positions of all elements of a machine, in the root's coordinates. `scene`, the hit test and the tools use them. */
 
-import type { Box, Point } from "../model/geometry.ts";
-import type { PortPlace } from "../model/layout_reader.ts";
+import type { Box, Point } from "../../model/geometry.ts";
+import type { PortPlace } from "../../model/layout_reader.ts";
 
 /** A connection as drawn on the canvas. */
 export interface Route {

@@ -1,6 +1,6 @@
 import fc from "fast-check";
 import { expect, test } from "vitest";
-import { contains } from "../model/geometry.ts";
+import { contains } from "../../model/geometry.ts";
 import { screenBox } from "./camera.ts";
 import { filling, revealing } from "./framing.ts";
 

@@ -1,11 +1,11 @@
 /** Content of the minimap: only boxes, of the machine and of a proposed one. */
 
-import type { GhostMachine } from "../store/page/view.ts";
-import { ghostLayers } from "./ghost.ts";
-import { NO_OVERLAY } from "./overlay.ts";
-import { PLAIN, type SceneInput } from "./scene/input.ts";
-import type { BoxMark, DrawList, Layer } from "./scene/list.ts";
-import { scene } from "./scene/scene.ts";
+import type { GhostMachine } from "../../store/page/view.ts";
+import { ghostLayers } from "../ghost.ts";
+import { NO_OVERLAY } from "../overlay.ts";
+import { PLAIN, type SceneInput } from "../scene/input.ts";
+import type { BoxMark, DrawList, Layer } from "../scene/list.ts";
+import { scene } from "../scene/scene.ts";
 
 interface OverviewShown extends Pick<SceneInput, "layout" | "camera" | "view" | "modes" | "runs"> {
   readonly ghost: GhostMachine | null;

@@ -1,7 +1,7 @@
 /** The area between the states of a container: the cost of a route through it, and the routes that are taken. */
 
-import type { Box, Point, Size } from "../model/geometry.ts";
-import type { Grid } from "./grid.ts";
+import type { Box, Point, Size } from "../../model/geometry.ts";
+import type { Grid } from "../layout/grid.ts";
 import type { RouteRequest } from "./route.ts";
 
 /** A vertical or horizontal piece of a line. */

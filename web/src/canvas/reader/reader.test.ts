@@ -1,8 +1,8 @@
 // @vitest-environment happy-dom
 import { expect, test } from "vitest";
-import { elementOf } from "../model/element.ts";
+import { elementOf } from "../../model/element.ts";
+import { driver } from "../testing/driver.ts";
 import { ReaderTree, type TreeLine, treeLines } from "./reader.ts";
-import { driver } from "./testing/driver.ts";
 
 function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): readonly TreeLine[] {
   const selection = keys.flatMap((key) => elementOf(key) ?? []);

@@ -1,7 +1,7 @@
 /** Moves the camera to a goal: as an animation, or at once for users who prefer reduced motion. */
 
 import type { Signal } from "@preact/signals-core";
-import type { Camera } from "../store/page/view.ts";
+import type { Camera } from "../../store/page/view.ts";
 import { flight } from "./camera.ts";
 
 /** Source of animation frames: the window, or a stub in tests. */

@@ -1,6 +1,6 @@
 /** Routes lines that will soon be visible while the browser is idle. */
 
-import type { LayoutNode } from "./layout_node.ts";
+import type { LayoutNode } from "../layout/layout_node.ts";
 
 /** Idle time that is left to other tasks, in ms. */
 const LEAST_MS = 6;

@@ -1,7 +1,7 @@
 /** Conversion between the root's coordinates and CSS pixels of the view, and camera movements. All functions are pure. */
 
-import type { Box, Point, Size } from "../model/geometry.ts";
-import type { Camera } from "../store/page/view.ts";
+import type { Box, Point, Size } from "../../model/geometry.ts";
+import type { Camera } from "../../store/page/view.ts";
 
 /** Limits of the zoom, in CSS pixels per unit of the root. */
 const SCALE_MIN = 1e-4;

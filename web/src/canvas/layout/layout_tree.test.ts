@@ -1,11 +1,11 @@
 import { describe, expect, test } from "vitest";
-import type { Document, Edit, StateDocument } from "../model/generated/protocol.ts";
-import type { Machine } from "../model/machine.ts";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/testing/sketch.ts";
-import { MODES } from "../store/page/view.ts";
+import type { Document, Edit, StateDocument } from "../../model/generated/protocol.ts";
+import type { Machine } from "../../model/machine.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { MODES } from "../../store/page/view.ts";
+import type { ProvisionalEdit } from "../overlay.ts";
 import { type LayoutTree, layoutTreeOf } from "./layout_tree.ts";
-import type { ProvisionalEdit } from "./overlay.ts";
 
 const NO_CONTENTS: ReadonlyMap<string, boolean> = new Map();
 

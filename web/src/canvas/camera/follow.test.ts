@@ -1,9 +1,9 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/testing/sketch.ts";
-import { MODES } from "../store/page/view.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { MODES } from "../../store/page/view.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
 import { findAgain, lookAtAll } from "./follow.ts";
-import { layoutTreeOf } from "./layout_tree.ts";
 
 const MACHINE = machineOf(
   sketch(`

@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../model/plain.ts";
-import { sketch } from "../model/testing/sketch.ts";
-import { type GhostMachine, MODES } from "../store/page/view.ts";
-import { layoutTreeOf } from "./layout_tree.ts";
+import { machineOf } from "../../model/plain.ts";
+import { sketch } from "../../model/testing/sketch.ts";
+import { type GhostMachine, MODES } from "../../store/page/view.ts";
+import { layoutTreeOf } from "../layout/layout_tree.ts";
+import { PLAIN } from "../scene/input.ts";
 import { overview } from "./overview.ts";
-import { PLAIN } from "./scene/input.ts";
 
 const MACHINE = machineOf(
   sketch(`

@@ -1,6 +1,6 @@
 /** Shape of a data flow: a smooth curve that leaves and enters its ports at right angles, or follows the author's waypoints. */
 
-import { distance, type Point } from "../model/geometry.ts";
+import { distance, type Point } from "../../model/geometry.ts";
 import { boxOf, longestOf, type Routed, type RouteEnd } from "./route.ts";
 
 /** Straight pieces of a curve. More would not appear smoother. */
