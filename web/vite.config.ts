@@ -12,7 +12,8 @@ const passedOn = { target: server, ws: true, changeOrigin: true, headers: { orig
 const EDITOR =
   /src\/panels\/(inspector\/(?!code\/|script_code|script_conflict|skill_form|markdown)|libraries\/|globals\/|problems\/)|@lezer\/(python|lr|common|highlight)\//;
 const GROUPS = [
-  { name: "page", test: /src\/app\/main\.tsx$/, priority: 4 },
+  { name: "dock", test: /\/dockview|src\/app\/(dock|dock_control)\.tsx?$/, priority: 4 },
+  { name: "page", test: /src\/app\/main\.tsx$/, priority: 5 },
   { name: "editor", test: EDITOR, priority: 3 },
   {
     name: "later",

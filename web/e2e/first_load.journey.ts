@@ -8,6 +8,6 @@ import { REPOSITORY } from "./support/places.ts";
 const DIST = join(REPOSITORY, "web", "dist");
 
 test("mission control and the editor load without what is shown later", () => {
-  expect(firstLoad(DIST, [])).toBeLessThan(320_000);
-  expect(firstLoad(DIST, ["editor"])).toBeLessThan(450_000);
+  expect(firstLoad(DIST, [])).toBeLessThan(250_000);
+  expect(firstLoad(DIST, ["dock", "editor"])).toBeLessThan(450_000);
 });

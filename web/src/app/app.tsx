@@ -3,11 +3,13 @@
 import { useCallback, useEffect, useMemo, useState } from "react";
 import { PanelHostProvider } from "../panels/context.tsx";
 import { LostTexts } from "../ui/field.tsx";
-import { useSignal } from "../ui/signals.ts";
+import { onDemand } from "../ui/on_demand.tsx";
+import { useComputed, useSignal } from "../ui/signals.ts";
 import { listenForTips } from "../ui/tips.ts";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { OpenDialogs } from "./dialogs/dialogs.tsx";
-import { Dock } from "./dock.tsx";
+import { FirstPanes, FirstPanesPort } from "./first_panes.tsx";
+import { HostedParts } from "./hosted.tsx";
 import { listenToKeys } from "./keyboard.ts";
 import { guardLeaving } from "./leaving.ts";
 import { Login, Unreachable } from "./login.tsx";
@@ -15,7 +17,7 @@ import { PanelGuard } from "./panel_guard.tsx";
 import { preloadParts, watchRobotsOnceThereAre } from "./preload.ts";
 import { SessionProvider, useSession } from "./provided.tsx";
 import { tellOfRuns } from "./run_notices.ts";
-import type { AppSession } from "./session.ts";
+import { type AppSession, type DockPort, NO_DOCK } from "./session.ts";
 import { Toasts } from "./toasts.tsx";
 import { TopBar } from "./top_bar.tsx";
 import "./app.css";
@@ -57,8 +59,11 @@ function AuthGate() {
   );
 }
 
+const Dock = onDemand(async () => (await import("./dock.tsx")).Dock);
+
 function Workspace() {
   const session = useSession();
+  const isFirst = useComputed(() => isBeforeDock(session.dock.value), [session]);
   useEffect(() => {
     const stops = [
       listenToKeys(session, window),
@@ -79,8 +84,14 @@ function Workspace() {
         <TopBar />
       </PanelGuard>
       <div className="app-dock">
+        {isFirst && <FirstPanes />}
         <Dock />
       </div>
+      <HostedParts />
     </div>
   );
+}
+
+function isBeforeDock(dock: DockPort): boolean {
+  return dock === NO_DOCK || dock instanceof FirstPanesPort;
 }

@@ -1,7 +1,6 @@
 /** The panels around the canvas: they dock, tab, float, fold, and go into windows of their own. */
 
 import "dockview-react/dist/styles/dockview.css";
-import "../ui/old.css";
 import "./dock.css";
 import {
   type DockviewApi,
@@ -20,6 +19,7 @@ import {
   SquareArrowOutUpRight,
 } from "lucide-react";
 import { useEffect, useMemo, useRef, useState } from "react";
+import { MISSION_PANEL } from "../commands/mission.ts";
 import { isValueDrag } from "../panels/parts/value/dragged_value.ts";
 import { useIsOld } from "../panels/run_age.ts";
 import { BROWSER_STORE } from "../store/local_store.ts";
@@ -31,10 +31,11 @@ import { ContextMenu, type MenuItem } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { listenForTips } from "../ui/tips.ts";
 import { undoTranslations } from "../ui/translation.ts";
-import { CanvasArea } from "./canvas_area.tsx";
 import { listenToClipboard } from "./clipboard_events.ts";
 import { DockControl } from "./dock_control.ts";
-import { initialLayout, takeAsked } from "./initial_layout.ts";
+import { FirstPanesPort } from "./first_panes.tsx";
+import { HostedPlace } from "./hosted.tsx";
+import { initialLayout } from "./initial_layout.ts";
 import { listenToKeys } from "./keyboard.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
@@ -56,6 +57,7 @@ export function Dock() {
     const fold = () => control.fold(small.matches);
     control.stack(narrow.matches);
     control.restore(initialLayout(session.page));
+    const before = session.dock.peek();
     session.dock.value = control;
     const stack = () => {
       if (control.stack(narrow.matches)) session.context().shell.overview();
@@ -68,9 +70,7 @@ export function Dock() {
     fold();
     narrow.addEventListener("change", soon);
     small.addEventListener("change", foldSoon);
-    const asked = takeAsked(window);
-    if (asked.isMission) session.commands.run("mission.open", session.context());
-    if (asked.run !== null) session.commands.run("run.show", session.context(), asked.run);
+    if (before instanceof FirstPanesPort) before.handOver(control);
     const opened = api.onDidAddPopoutGroup(({ window: view }) => {
       const stops = [
         keepCompositions(view),
@@ -119,12 +119,7 @@ export function Dock() {
 }
 
 function CanvasPanel() {
-  const { page } = useSession();
-  return (
-    <PanelGuard name="The canvas" page={page}>
-      <CanvasArea />
-    </PanelGuard>
-  );
+  return <HostedPlace id="canvas" />;
 }
 
 function PanelPlace({ api }: IDockviewPanelProps) {
@@ -137,9 +132,13 @@ function PanelPlace({ api }: IDockviewPanelProps) {
   const Component = panel.component;
   return (
     <div ref={place} className={isOld ? "panel is-old" : "panel"}>
-      <PanelGuard name={panel.title} page={page}>
-        <Component />
-      </PanelGuard>
+      {api.id === MISSION_PANEL ? (
+        <HostedPlace id={MISSION_PANEL} />
+      ) : (
+        <PanelGuard name={panel.title} page={page}>
+          <Component />
+        </PanelGuard>
+      )}
     </div>
   );
 }

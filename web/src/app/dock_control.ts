@@ -5,7 +5,7 @@ import type { DockviewApi, DockviewGroupPanel, SerializedDockview } from "dockvi
 import type { Layouts, PanelSide } from "../commands/command.ts";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import { kept, type LocalStore } from "../store/local_store.ts";
-import { type PanelLayout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
+import { LAYOUT_KEY, type PanelLayout, SHIPPED, sizeOn, withPanels } from "./layouts.ts";
 import { placeMission, sizeMission } from "./mission_place.ts";
 import { PANELS, panelOf } from "./panels.tsx";
 import type { DockPort } from "./session.ts";
@@ -13,7 +13,6 @@ import type { DockPort } from "./session.ts";
 /** In the order in which they are put beside the canvas. */
 const SIDES: readonly PanelSide[] = ["bottom", "left", "right"];
 
-const NOW = "rafcon.layout";
 const OWN = "rafcon.layouts";
 const FOLDED = "rafcon.folded";
 const SIZES = "rafcon.sizes";
@@ -61,7 +60,7 @@ export class DockControl implements DockPort {
 
   /** As the page was left, or as a layout that ships. */
   restore(first: string): void {
-    const before = kept<SerializedDockview>(this.#localStore, NOW);
+    const before = kept<SerializedDockview>(this.#localStore, LAYOUT_KEY);
     if (!before || !this.#load(before)) this.#build(SHIPPED[first] ?? {});
   }
 
@@ -298,6 +297,6 @@ export class DockControl implements DockPort {
   }
 
   #keep(): void {
-    if (this.#api.getPanel(CANVAS)) this.#localStore.put(NOW, this.#api.toJSON());
+    if (this.#api.getPanel(CANVAS)) this.#localStore.put(LAYOUT_KEY, this.#api.toJSON());
   }
 }

@@ -11,6 +11,9 @@ interface LayoutSide {
   readonly isTall?: boolean;
 }
 
+/** Key of the arrangement that this browser has kept. */
+export const LAYOUT_KEY = "rafcon.layout";
+
 export type PanelLayout = Partial<Readonly<Record<PanelSide, LayoutSide>>>;
 
 export const SHIPPED: Readonly<Record<string, PanelLayout>> = {

@@ -48,7 +48,8 @@ export interface DockPort {
   readonly layouts: Layouts;
 }
 
-const NO_DOCK: DockPort = {
+/** Before the page has a place for panels. */
+export const NO_DOCK: DockPort = {
   showPanel: () => {},
   dock: () => {},
   isInSight: () => false,

@@ -12,7 +12,7 @@ import { failureOf } from "./send_command.ts";
 
 /** The layout for operators, and the panel in it. */
 export const MISSION_LAYOUT = "Mission control";
-export const MISSION_PANEL = "mission";
+export const MISSION_PANEL = "mission" as const;
 
 export const MISSION: readonly UserCommand[] = [
   {
