@@ -51,10 +51,7 @@ const SettingsDialog = onDemand(
 );
 
 const StartAtRobot = onDemand(
-  async () =>
-    (await import("./start_at_robot.tsx")).StartAtRobot as FunctionComponent<
-      AskedDialogProps<never>
-    >,
+  async () => (await import("./start_at_robot.tsx")).StartAtRobot,
   framed,
 );
 

@@ -14,12 +14,12 @@ import { Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
 import { useSession } from "../provided.tsx";
-import type { AskedDialogProps } from "./dialogs.tsx";
+import type { NamedDialogProps } from "./dialogs.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 
 const noChildren = () => null;
 
-export function StartAtRobot({ answer }: AskedDialogProps<undefined>) {
+export function StartAtRobot({ answer }: NamedDialogProps<"start-at-robot">) {
   const { page } = useSession();
   const robots = useSignal(page.robots);
   const [robot, setRobot] = useState(robots[0] ?? "");

@@ -70,8 +70,8 @@ type PlainId =
   | `view.${"fit" | "zoom-selection" | "zoom-in" | "zoom-out" | "library-content" | "full-screen"}`
   | `view.${"transitions" | "names" | "values" | "aborted" | "grid"}`
   | `view.${"left" | "bottom" | "right" | "focus" | "save-layout"}`
-  | `run.${"start-with" | "start-held" | "start-again" | "toggle-pause" | "pause" | "resume" | "kill"}`
-  | `run.${"reload" | "step-mode" | "clear-breakpoints" | "leave" | "follow" | "live"}`
+  | `run.${"start-with" | "start-held" | "start-again" | "start-at-robot" | "pause" | "resume"}`
+  | `run.${"toggle-pause" | "kill" | "reload" | "step-mode" | "clear-breakpoints" | "leave" | "follow" | "live"}`
   | `run.${"event-before" | "event-after" | "entry-before" | "entry-after" | "first-event"}`
   | `control.${"request" | "withdraw" | "accept" | "decline" | "release" | "take-over" | "override"}`
   | `help.${"commands" | "keys" | "settings" | "about"}`

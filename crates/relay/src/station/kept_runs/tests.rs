@@ -1,8 +1,8 @@
 //! The bounds of what a station remembers of the replicas on its disk.
 
 use super::*;
-use crate::machine_lists::MachineLists;
 use crate::ids;
+use crate::machine_lists::MachineLists;
 use crate::pairing::Pairing;
 use crate::short_journal::{begun, ended};
 use crate::start::Start;
