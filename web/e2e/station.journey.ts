@@ -1,7 +1,7 @@
 /** The page of a station says what it knows of a robot's run, what it assumes, and what is not the robot's any more. */
 
 import { expect } from "vitest";
-import type { RunSummary } from "../src/model/generated/protocol.ts";
+import type { RobotMachines, RunSummary } from "../src/model/generated/protocol.ts";
 import type { App } from "./support/app.ts";
 import { journey } from "./support/journey.ts";
 import {
@@ -70,6 +70,31 @@ journey(
     await app.sheet.locator(".runs-row.is-old .run-assumed").waitFor();
     robot.thaw();
     await endRun(robot, run);
+  },
+);
+
+journey(
+  "a machine of the robot is found by its path, started by the robot and shown",
+  HERE,
+  async ({ app, server, robot }) => {
+    const { sheet } = app;
+    await eventually(async () => {
+      const list = await server.ask<RobotMachines>("GET", "/robots/scout/machines");
+      return list.machines.length > 0;
+    });
+    await sheet.keyboard.press("Control+Alt+m");
+    await sheet.keyboard.press("Control+Shift+p");
+    const palette = sheet.getByRole("dialog", { name: "Search everything" });
+    await palette.getByRole("combobox").pressSequentially("Start a machine of a robot\n");
+    const dialog = sheet.getByRole("dialog", { name: "Start a machine of a robot" });
+    await dialog.getByText(/^As the robot listed them at .* UTC by its calendar\.$/).waitFor();
+    if (process.env["RAFCON_LOOK"]) await sheet.screenshot({ path: process.env["RAFCON_LOOK"] });
+    await dialog.getByRole("searchbox").fill("driv");
+    await sheet.keyboard.press("Enter");
+    await missionOf(app).locator(".mission-head").getByText("running").waitFor();
+    const [run] = await server.ask<readonly RunSummary[]>("GET", "/runs");
+    expect([run?.name, run?.robot]).toEqual(["drives", "scout"]);
+    await endRun(robot, run?.id ?? "");
   },
 );
 

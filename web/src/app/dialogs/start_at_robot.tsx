@@ -1,6 +1,6 @@
 /** Which machine of a robot is to be started. */
 
-import { Box } from "lucide-react";
+import { Workflow } from "lucide-react";
 import { useEffect, useState } from "react";
 import { pathOf } from "../../commands/run_again.ts";
 import type { MachineFile, RobotMachines } from "../../model/generated/protocol.ts";
@@ -90,7 +90,7 @@ export function StartAtRobot({ answer }: NamedDialogProps<"start-at-robot">) {
               onOpen={take}
               row={(file) => (
                 <>
-                  <Box size={14} className="tree-icon tree-icon-machine" aria-hidden />
+                  <Workflow size={14} className="tree-icon tree-icon-machine" aria-hidden />
                   {pathOf(file)}
                 </>
               )}

@@ -20,6 +20,7 @@ export function NoRun() {
   const run = useCommand();
   const all = useSignal(page.runs.all);
   const coming = useSignal(page.comingRun);
+  const robots = useSignal(page.robots);
   const live = all.filter(({ phase }) => isLive(phase));
   const over = all.filter(({ phase }) => !isLive(phase)).slice(0, OVER_MAX);
   const refusal = useComputed(() => {
@@ -54,6 +55,9 @@ export function NoRun() {
       >
         Start the open machine
       </Button>
+      {robots.length > 0 && (
+        <Button onClick={() => run("run.start-at-robot")}>Start a machine of a robot…</Button>
+      )}
       {refusal && <p className="mission-why">Start: {refusal}.</p>}
       {over.length > 0 && (
         <>

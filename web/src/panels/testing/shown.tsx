@@ -40,6 +40,7 @@ export function shown(panel: ReactElement, beside: Beside): HTMLElement {
     server: { ...plain.server, pulse: signal({ ...pulse, ahead_ms }) },
     runs: { all: signal(beside.runs ?? []) },
     comingRun: signal(null),
+    robots: signal([]),
     active: signal<OpenTab | null>(tab),
   } as unknown as Page;
   const context = () => ({ page, tab, canvas: null, shell });
