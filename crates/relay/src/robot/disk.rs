@@ -190,7 +190,7 @@ impl Keeper {
             ));
         }
         if !numbers.is_empty() {
-            // A lost entry has an effect only if another run has the same number.
+            // A lost entry has an effect only on a run with an equal number.
             drop(append(numbers_file, &numbers));
         }
         if let Some(watched) = watched {

@@ -169,7 +169,7 @@ impl Keeper {
     fn perform(&mut self, id: CommandId, task: Option<Box<StoredCommand>>) {
         self.failed.remove(&id);
         let Some(command) = task else {
-            // A request that stays is sent once more after a restart, and the robot answers from its record.
+            // A request that stays is sent once more after a restart; the robot has its fate on record.
             return drop(remove(&self.folder, id));
         };
         match command.write(&self.folder) {

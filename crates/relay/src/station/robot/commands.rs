@@ -1,4 +1,4 @@
-//! The requests to one robot: those of viewers and of the station's server, their fates and answers.
+//! The requests to one robot: those of viewers and of the station's server, with their fates.
 
 use super::name::RobotName;
 use super::runs::StationRuns;

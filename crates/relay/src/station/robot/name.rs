@@ -1,4 +1,4 @@
-//! Name of a robot, and who is told of its problems.
+//! Name of a robot, and the receiver of its problems.
 
 /// A robot as its station's messages name it.
 #[derive(Debug, Clone)]

@@ -118,7 +118,7 @@ impl CommandStorage {
                 self.disk.remove(id);
                 let why = format!(
                     "nothing was sent, because the station's disk does not store the command ({why}): make room on it; a stop and a pause \
-                     pass all the same"
+                     still pass"
                 );
                 StoreResult::Refused(Box::new(request), why)
             }
