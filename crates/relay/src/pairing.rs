@@ -58,6 +58,12 @@ impl Pairing {
         }
     }
 
+    /// Distinguishes pairings of one robot in files, without the key.
+    pub(crate) fn tag(&self) -> String {
+        let hash = blake3::derive_key("rafcon 2026 tag of a pairing", self.key.bytes());
+        hash[..8].iter().fold(String::new(), |tag, byte| format!("{tag}{byte:02x}"))
+    }
+
     /// Suffix of the names of the station's users at the robot.
     pub(crate) fn station_name(&self) -> &str {
         self.station.as_deref().unwrap_or(AT_STATION.trim_start_matches('@'))

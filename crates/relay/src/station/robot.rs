@@ -122,14 +122,17 @@ impl StationRobot {
         runs.restore_parcels(&mut session, parcels);
         let (server_requests, lists) = (settings.server_requests.clone(), settings.lists.clone());
         let stored_in = folder.join("commands");
-        let StoredCommands { commands: stored, problems } = StoredCommands::read(&stored_in);
+        let (mut read, tags) = (StoredCommands::read(&stored_in), keys.tags());
+        read.retain_paired(&stored_in, &tags);
+        let StoredCommands { commands: stored, problems } = read;
         for problem in &problems {
             name.tell(problem);
         }
         let command_disk = CommandDisk::begin(stored_in, number, inbox)
             .map_err(|source| RelayError::Thread { source })?;
         let ids = stored.iter().map(StoredCommand::id);
-        let storage = CommandStorage::new(command_disk, ids, problems);
+        let tag = tags.into_iter().next().unwrap_or_default();
+        let storage = CommandStorage::new(command_disk, tag, ids, problems);
         let mut commands = StationCommands::new(name, server_requests, lists, storage);
         commands.restore(&mut session, stored);
         let watches = RunWatches::new();
@@ -139,7 +142,10 @@ impl StationRobot {
     /// Applies an event of the disk's thread.
     pub(super) fn on_disk_event(&mut self, event: FromDisk) {
         match event {
-            FromDisk::KeyKept(new) => self.keys.kept(new, &mut self.session),
+            FromDisk::KeyKept(new) => {
+                self.commands.storage.set_pairing(new.tag());
+                self.keys.kept(new, &mut self.session);
+            }
             event => self.runs.on_disk_event(&mut self.session, event),
         }
     }

@@ -29,6 +29,8 @@ pub(crate) struct StoredCommand {
 pub(super) struct AboutCommand {
     /// Id of the request.
     pub(super) id: String,
+    /// Tag of the pairing: the robot's clock is that of a start under it.
+    pub(super) pairing: String,
     /// Id of its run; empty if the station does not show the run.
     pub(super) run: String,
     /// Epoch of authority.
@@ -97,6 +99,19 @@ impl StoredCommand {
 }
 
 impl StoredCommands {
+    /// Removes the commands of other pairings. A robot that was paired anew counts its starts anew, so their times are void.
+    pub(super) fn retain_paired(&mut self, folder: &Path, tags: &[String]) {
+        let is_other = |command: &mut StoredCommand| !tags.contains(&command.about.pairing);
+        for command in self.commands.extract_if(.., is_other) {
+            // A file that stays is reported again.
+            drop(remove(folder, command.id()));
+            self.problems.push(format!(
+                "command {} of run {} is not sent again, because the robot was paired anew: check the run, and give it again",
+                command.about.id, command.about.run
+            ));
+        }
+    }
+
     /// Reads the folder. A damaged file costs only its command, and is renamed so that it is reported once.
     pub(super) fn read(folder: &Path) -> Self {
         let mut stored = Self::default();
@@ -168,6 +183,7 @@ pub(super) mod tests {
     pub(in crate::station) fn stored(nth: u64) -> StoredCommand {
         let about = AboutCommand {
             id: format!("ana/{nth}"),
+            pairing: "tag".to_owned(),
             run: "drive".to_owned(),
             epoch: 3,
             sent_ms: nth,
@@ -215,6 +231,19 @@ pub(super) mod tests {
         assert!(read.problems.iter().all(|problem| problem.contains("is damaged (it")));
         let again = StoredCommands::read(folder);
         assert_eq!((again.commands, again.problems), (vec![stored(3)], vec![]));
+    }
+
+    #[test]
+    fn a_command_of_another_pairing_is_not_restored_and_is_reported_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut other = stored(1);
+        other.about.pairing = "other".to_owned();
+        other.write(folder.path()).unwrap();
+        stored(2).write(folder.path()).unwrap();
+        let mut read = StoredCommands::read(folder.path());
+        read.retain_paired(folder.path(), &["tag".to_owned()]);
+        assert_eq!((read.commands, read.problems.len()), (vec![stored(2)], 1));
+        assert_eq!(StoredCommands::read(folder.path()).commands, [stored(2)]);
     }
 
     #[test]

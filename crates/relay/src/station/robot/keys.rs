@@ -43,6 +43,11 @@ impl PairingKeys {
         }
     }
 
+    /// Tags of the pairings that the robot may use, the one in force first.
+    pub(super) fn tags(&self) -> Vec<String> {
+        self.new.iter().chain([&self.pairing]).map(Pairing::tag).collect()
+    }
+
     /// Rights of this station's users, by the pairing.
     pub(super) fn rights(&self) -> PairingRights {
         self.pairing.rights

@@ -35,6 +35,8 @@ pub(super) enum StoreResult {
 /// Requests that are being stored, and those that are stored.
 pub(super) struct CommandStorage {
     disk: CommandDisk,
+    /// Tag of the pairing in force.
+    pairing: String,
     /// Requests that wait for the disk before they are accepted.
     storing: BTreeMap<CommandId, PreparedRequest>,
     /// Accepted requests that the disk was given.
@@ -55,11 +57,17 @@ impl CommandStorage {
     /// The requests with these ids are on the disk; `lost` are the problems of others.
     pub(super) fn new(
         disk: CommandDisk,
+        pairing: String,
         stored: impl IntoIterator<Item = CommandId>,
         lost: Vec<String>,
     ) -> Self {
         let (storing, unstored) = (BTreeMap::new(), BTreeMap::new());
-        Self { disk, storing, stored: stored.into_iter().collect(), unstored, lost }
+        Self { disk, pairing, storing, stored: stored.into_iter().collect(), unstored, lost }
+    }
+
+    /// Sets the tag of the pairing in force.
+    pub(super) fn set_pairing(&mut self, tag: String) {
+        self.pairing = tag;
     }
 
     /// Reports a request of an earlier start that is lost.
@@ -81,7 +89,7 @@ impl CommandStorage {
     pub(super) fn store(&mut self, request: PreparedRequest) -> Option<PreparedRequest> {
         match durability(&request.given.word) {
             Durability::First => {
-                self.disk.keep(stored(&request));
+                self.disk.keep(self.stored(&request));
                 self.storing.insert(request.command.id, request);
                 return None;
             }
@@ -93,7 +101,7 @@ impl CommandStorage {
 
     /// Stores a request that is accepted already.
     pub(super) fn store_beside(&mut self, request: &PreparedRequest) {
-        self.disk.keep(stored(request));
+        self.disk.keep(self.stored(request));
         self.stored.insert(request.command.id);
         let about = format!("{} ({})", request.given.word.asks(), request.given.id);
         // Reported only if the disk fails.
@@ -155,6 +163,24 @@ impl CommandStorage {
         unstored.chain(self.lost.iter().cloned())
     }
 
+    fn stored(&self, request: &PreparedRequest) -> StoredCommand {
+        let PreparedRequest { run, given, command, times, .. } = request;
+        let about = AboutCommand {
+            id: given.id.clone(),
+            pairing: self.pairing.clone(),
+            run: run.clone(),
+            epoch: command.epoch,
+            sent_ms: times.sent,
+            expires_ms: times.expiry,
+            not_before_ms: given.not_before,
+            transfer_ms: times.transfer,
+            robot_start: command.times.start.0,
+            robot_not_before_ms: command.times.not_before,
+            robot_not_after_ms: command.times.not_after,
+        };
+        StoredCommand { about, body: command.body.clone() }
+    }
+
     /// Does what waits for the disk, as far as it takes it.
     pub(super) fn end(&self) {
         self.disk.end();
@@ -180,22 +206,6 @@ fn durability(word: &StationRequest) -> Durability {
         | StationRequest::Resume(..)
         | StationRequest::Start(..) => Durability::First,
     }
-}
-
-fn stored(PreparedRequest { run, given, command, times, .. }: &PreparedRequest) -> StoredCommand {
-    let about = AboutCommand {
-        id: given.id.clone(),
-        run: run.clone(),
-        epoch: command.epoch,
-        sent_ms: times.sent,
-        expires_ms: times.expiry,
-        not_before_ms: given.not_before,
-        transfer_ms: times.transfer,
-        robot_start: command.times.start.0,
-        robot_not_before_ms: command.times.not_before,
-        robot_not_after_ms: command.times.not_after,
-    };
-    StoredCommand { about, body: command.body.clone() }
 }
 
 #[cfg(test)]
