@@ -109,20 +109,20 @@ pub struct RobotTimes {
     pub start: Generation,
     /// Earliest time; 0 without one.
     pub not_before: u64,
-    /// Expiry.
+    /// Latest time of effect.
     pub not_after: u64,
 }
 
 /// A command with its times on the robot's clock. They stay valid over a restart of the station.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TimedCommand {
-    /// Its id.
+    /// Id of the command.
     pub id: CommandId,
-    /// Its times.
+    /// Times of the robot's clock.
     pub times: RobotTimes,
     /// The epoch of authority under which it is given.
     pub epoch: u64,
-    /// The command.
+    /// Bytes of the command.
     pub body: Vec<u8>,
     /// An earlier start of the station may have sent it.
     pub is_restored: bool,

@@ -1,14 +1,11 @@
 //! Commands whose times on the robot's clock are known before they are sent, such as those of an earlier start of the station.
 
 use super::StationSession;
-use super::commands::{COMMANDS_MAX, NewCommand, NotSent, RobotTimes, TimedCommand};
+use super::commands::{NewCommand, NotSent, RobotTimes, TimedCommand};
 use crate::frame::CommandId;
 use std::time::Duration;
 
 impl StationSession {
-    /// Number of commands that the session sends at a time.
-    pub const COMMANDS_MAX: usize = COMMANDS_MAX;
-
     /// Times on the robot's clock of a command that can be sent now, besides `others` that are not sent yet.
     pub fn times_for(
         &self,
@@ -41,6 +38,7 @@ impl StationSession {
 
 #[cfg(test)]
 mod tests {
+    use super::super::commands::COMMANDS_MAX;
     use super::super::tests::Pair;
     use super::*;
     use crate::frame::CommandState;

@@ -37,18 +37,18 @@ pub(super) struct RobotFiles {
 /// The disk as the relay sees it.
 #[derive(Debug)]
 pub(super) struct RobotDisk {
-    queue: Arc<Queue>,
+    queue: Arc<FileQueue>,
 }
 
 #[derive(Debug, Default)]
-struct Queue {
-    todo: Mutex<Todo>,
+struct FileQueue {
+    todo: Mutex<FileWork>,
     changed: Condvar,
 }
 
 /// Newest content of each file that is to be written.
 #[derive(Debug, Default)]
-struct Todo {
+struct FileWork {
     heard: Option<(KeyId, Option<Horizon>)>,
     list: Option<String>,
     /// Entries for the end of the file.
@@ -59,7 +59,7 @@ struct Todo {
     has_ended: bool,
 }
 
-impl Todo {
+impl FileWork {
     fn is_idle(&self) -> bool {
         let is_idle = self.heard.is_none() && self.list.is_none() && self.numbers.is_empty();
         is_idle && self.watched.is_none() && self.key.is_none() && !self.ends
@@ -73,9 +73,9 @@ impl RobotDisk {
         scanner: RunScanner,
         inbox: SyncSender<Input<FromRun>>,
     ) -> io::Result<Self> {
-        let queue = Arc::<Queue>::default();
+        let queue = Arc::<FileQueue>::default();
         let theirs = Arc::clone(&queue);
-        let keeper = Keeper { files, scanner, inbox };
+        let keeper = FileKeeper { files, scanner, inbox };
         let work = move || {
             keeper.work(&theirs);
             theirs.todo.lock().has_ended = true;
@@ -114,11 +114,11 @@ impl RobotDisk {
     pub(super) fn end(&self) {
         self.set(|todo| todo.ends = true);
         let mut todo = self.queue.todo.lock();
-        let is_busy = |todo: &mut Todo| !todo.has_ended;
+        let is_busy = |todo: &mut FileWork| !todo.has_ended;
         let _stuck = self.queue.changed.wait_while_for(&mut todo, is_busy, END_WITHIN);
     }
 
-    fn set(&self, change: impl FnOnce(&mut Todo)) {
+    fn set(&self, change: impl FnOnce(&mut FileWork)) {
         change(&mut self.queue.todo.lock());
         self.queue.changed.notify_all();
     }
@@ -130,19 +130,19 @@ impl Drop for RobotDisk {
     }
 }
 
-struct Keeper {
+struct FileKeeper {
     files: RobotFiles,
     scanner: RunScanner,
     inbox: SyncSender<Input<FromRun>>,
 }
 
-impl Keeper {
-    fn work(mut self, queue: &Queue) {
+impl FileKeeper {
+    fn work(mut self, queue: &FileQueue) {
         let mut next_scan_at = clock::now();
         loop {
             let mut todo = queue.todo.lock();
             let wait = next_scan_at.saturating_duration_since(clock::now());
-            let is_idle = |todo: &mut Todo| todo.is_idle();
+            let is_idle = |todo: &mut FileWork| todo.is_idle();
             let _scan = queue.changed.wait_while_for(&mut todo, is_idle, wait);
             let ends = todo.ends;
             let files = std::mem::take(&mut *todo);
@@ -167,7 +167,7 @@ impl Keeper {
         }
     }
 
-    fn write(&mut self, Todo { heard, list, numbers, watched, key, .. }: Todo) {
+    fn write(&mut self, FileWork { heard, list, numbers, watched, key, .. }: FileWork) {
         let RobotFiles {
             start,
             paired,

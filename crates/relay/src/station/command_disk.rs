@@ -31,17 +31,17 @@ pub(crate) enum FromCommandDisk {
 /// The disk as the rest of the station sees it.
 #[derive(Debug)]
 pub(super) struct CommandDisk {
-    queue: Arc<Queue>,
+    queue: Arc<CommandQueue>,
 }
 
 #[derive(Debug, Default)]
-struct Queue {
-    todo: Mutex<Todo>,
+struct CommandQueue {
+    todo: Mutex<CommandTasks>,
     changed: Condvar,
 }
 
 #[derive(Debug, Default)]
-struct Todo {
+struct CommandTasks {
     /// Last task for each request: what to store, or `None` to remove it.
     tasks: BTreeMap<CommandId, Option<Box<StoredCommand>>>,
     /// Ids in `tasks`, in the order of the tasks.
@@ -50,7 +50,7 @@ struct Todo {
     has_ended: bool,
 }
 
-impl Todo {
+impl CommandTasks {
     fn set(&mut self, id: CommandId, task: Option<Box<StoredCommand>>) {
         if self.tasks.insert(id, task).is_none() {
             self.order.push_back(id);
@@ -80,8 +80,8 @@ impl CommandDisk {
         robot: usize,
         inbox: SyncSender<Input<ToStation>>,
     ) -> io::Result<Self> {
-        let queue = Arc::<Queue>::default();
-        let keeper = Keeper { folder, robot, inbox, failed: BTreeMap::new() };
+        let queue = Arc::<CommandQueue>::default();
+        let keeper = CommandKeeper { folder, robot, inbox, failed: BTreeMap::new() };
         let theirs = Arc::clone(&queue);
         let work = move || {
             keeper.work(&theirs);
@@ -109,7 +109,7 @@ impl CommandDisk {
         let mut todo = self.queue.todo.lock();
         todo.ends = true;
         self.queue.changed.notify_all();
-        let is_busy = |todo: &mut Todo| !todo.has_ended;
+        let is_busy = |todo: &mut CommandTasks| !todo.has_ended;
         let _stuck = self.queue.changed.wait_while_for(&mut todo, is_busy, END_WITHIN);
     }
 }
@@ -134,7 +134,7 @@ impl Drop for CommandDisk {
     }
 }
 
-struct Keeper {
+struct CommandKeeper {
     folder: PathBuf,
     robot: usize,
     inbox: SyncSender<Input<ToStation>>,
@@ -142,11 +142,11 @@ struct Keeper {
     failed: BTreeMap<CommandId, Box<StoredCommand>>,
 }
 
-impl Keeper {
-    fn work(mut self, queue: &Queue) {
+impl CommandKeeper {
+    fn work(mut self, queue: &CommandQueue) {
         loop {
             let mut todo = queue.todo.lock();
-            let is_idle = |todo: &mut Todo| todo.tasks.is_empty() && !todo.ends;
+            let is_idle = |todo: &mut CommandTasks| todo.tasks.is_empty() && !todo.ends;
             if self.failed.is_empty() {
                 queue.changed.wait_while(&mut todo, is_idle);
             } else {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::carrier::Carrier;
-use crate::station::stored_command::StoredCommands;
+use crate::station::stored_command::{STORED_MAX, StoredCommands};
 use crate::words::StationRequest;
 use rafcon_link::{
     CommandId, CommandState, EventBuffer, ReceivedCommand, RobotSession, RunSource, SenderStart,
@@ -266,10 +266,10 @@ fn a_damaged_command_is_a_problem_of_the_link_and_costs_no_other() {
 fn requests_wait_for_the_disk_up_to_the_bound_of_the_session() {
     let mut pair = Pair::new();
     pair.station.commands.storage.hang();
-    for nth in 0..=StationSession::COMMANDS_MAX {
+    for nth in 0..=STORED_MAX {
         pair.give(&format!("ana/{nth}"), RESUME);
     }
-    let most = StationSession::COMMANDS_MAX;
-    assert_eq!(pair.station.commands.storage.storing_count(), most);
-    assert!(!pair.station.commands.storage.is_storing(ids::command(&format!("ana/{most}"))));
+    assert_eq!(pair.station.commands.storage.storing_count(), STORED_MAX);
+    let last = ids::command(&format!("ana/{STORED_MAX}"));
+    assert!(!pair.station.commands.storage.is_storing(last));
 }
