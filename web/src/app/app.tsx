@@ -59,7 +59,10 @@ function AuthGate() {
   );
 }
 
-const Dock = onDemand(async () => (await import("./dock.tsx")).Dock);
+const Dock = onDemand(
+  async () => (await import("./dock.tsx")).Dock,
+  (words) => <div className="app-dock-failed">{words}</div>,
+);
 
 function Workspace() {
   const session = useSession();

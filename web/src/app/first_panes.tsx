@@ -1,5 +1,5 @@
-/** What the page shows before the dock is loaded: mission control beside the canvas, or the canvas alone. On a slow network the dock
- * takes longer than all that an operator needs at first. */
+/** First panes of the page, before the dock is loaded: mission control beside the canvas, or the canvas alone. On a slow network the
+ * dock takes longer than all that an operator needs at first. */
 
 import "../ui/old.css";
 import "./first_panes.css";
@@ -17,7 +17,7 @@ import { LAYOUT_KEY, SHIPPED } from "./layouts.ts";
 import { useSession } from "./provided.tsx";
 import type { DockPort } from "./session.ts";
 
-/** Stands in for the dock until it is loaded, and hands over what was wanted meanwhile. */
+/** Replaces the dock until it is loaded. Keeps the calls meanwhile, and repeats them in the dock. */
 export class FirstPanesPort implements DockPort {
   readonly hasMission: Signal<boolean>;
   #wanted: ((dock: DockPort) => void)[] = [];
@@ -50,7 +50,7 @@ export class FirstPanesPort implements DockPort {
     panels: () => [],
   };
 
-  /** Repeats in the dock what was wanted before. */
+  /** Repeats the kept calls in the dock, once. */
   handOver(dock: DockPort): void {
     for (const act of this.#wanted.splice(0)) act(dock);
   }

@@ -8,7 +8,7 @@ import { useComputed } from "../../ui/signals.ts";
 import { useHost } from "../context.tsx";
 import { agePhrase } from "./age.ts";
 
-/** Such as `, 27 s ago`; nothing while data arrives. */
+/** Such as `, 27 s ago`; empty while data arrives. */
 export function AsOf({ watch }: { readonly watch: Watch }) {
   const { page } = useHost().context();
   const text = useComputed(() => {

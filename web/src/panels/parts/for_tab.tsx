@@ -16,7 +16,7 @@ export interface RunPanelProps extends TabPanelProps {
   readonly watch: Watch;
 }
 
-/** What a panel shows while it has no subject: content, or the text of the usual one. */
+/** Content of a panel without a subject, or a text about its usual content. */
 type Otherwise = string | ReactNode;
 
 /** Panel of the active machine. Each machine has its own instance. */
