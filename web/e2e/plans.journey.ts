@@ -10,7 +10,7 @@ import { type Box, boundsOf, contains } from "../src/model/geometry.ts";
 import type { Machine } from "../src/model/machine.ts";
 import { dataFlowsOf, outcomesOf, portsOf, transitionsOf } from "../src/model/machine.ts";
 import { childPath, idOf, lineage, parentOf } from "../src/model/path.ts";
-import { machineOf } from "../src/model/plain.ts";
+import { machineOf } from "../src/model/plain_machine.ts";
 import { boxIn } from "../src/plan/boxes.ts";
 import { copySelection, duplicate, paste } from "../src/plan/clipboard.ts";
 import {

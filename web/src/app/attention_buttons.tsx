@@ -4,8 +4,8 @@ import { CircleHelp, TriangleAlert } from "lucide-react";
 import { openQuestions } from "../store/history/questions.ts";
 import type { Watch } from "../store/history/run.ts";
 import { useComputed } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
 import { type AppSession, isInMission } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 import "./attention_buttons.css";
 
 export function AttentionButtons() {

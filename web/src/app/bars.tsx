@@ -11,10 +11,10 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
 import { LayoutWorkBar, ProposedLayoutBar } from "./layout_bars.tsx";
 import { MomentBar } from "./moment_bar.tsx";
-import { useSession } from "./provided.tsx";
 import { RunBars } from "./run_bars.tsx";
 import { RunFateBars } from "./run_fate_bars.tsx";
 import { isInMission } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 
 /** On a low page only the most severe one is shown, with a button for the others. */
 export function Bars({ tab }: { tab: OpenTab }) {

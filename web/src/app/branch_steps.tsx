@@ -12,7 +12,7 @@ import type { OpenTab } from "../store/page/page.ts";
 import { type Active, activeStates, lanes, placeOfLane } from "../store/run/active.ts";
 import { IconButton } from "../ui/button.tsx";
 import { isSameList, useComputed } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./branch_steps.css";
 
 const STEPS = [

@@ -10,7 +10,7 @@ import { select } from "../store/page/view.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { crumbsIn } from "./crumbs.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 export function Breadcrumb({ tab }: { tab: OpenTab }) {
   const { canvas } = useSession();
@@ -28,7 +28,7 @@ export function Breadcrumb({ tab }: { tab: OpenTab }) {
   const path = useComputed(() => {
     const [key] = tab.view.selection.value;
     const selected = key === undefined ? undefined : elementOf(key)?.path;
-    return selected ?? canvas.value?.stage.value ?? machine.root;
+    return selected ?? canvas.value?.workingContainer.value ?? machine.root;
   }, [tab, canvas]);
   const go = (to: string) => {
     select(tab.view, [{ kind: "state", path: to }]);

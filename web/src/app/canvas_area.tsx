@@ -8,7 +8,7 @@ import { Breadcrumb } from "./breadcrumb.tsx";
 import { CanvasPlace } from "./canvas_place.tsx";
 import { CanvasTools } from "./canvas_tools.tsx";
 import { InsertPalette } from "./insert_palette.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import { StartPage } from "./start_page.tsx";
 import "./canvas_area.css";
 

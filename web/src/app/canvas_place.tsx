@@ -18,10 +18,10 @@ import { useComputed, useSignal } from "../ui/signals.ts";
 import { BranchSteps } from "./branch_steps.tsx";
 import { HeatLegend } from "./heat_legend.tsx";
 import { useKeys } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
 import { runOverlay } from "./run_overlay.ts";
 import { SentCommands } from "./sent_commands.tsx";
 import { isInMission } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 
 const NO_MARKS = new Map<never, never>();
 const NO_FAULT = signal<string | null>(null);

@@ -20,7 +20,7 @@ import type { OpenTab } from "../store/page/page.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 const MODES: readonly (readonly [FreeCommandId, LucideIcon])[] = [
   ["view.transitions", ArrowRightLeft],

@@ -40,8 +40,8 @@ import { listenToKeys } from "./keyboard.ts";
 import { NARROW, SMALL } from "./mission_place.ts";
 import { PanelGuard } from "./panel_guard.tsx";
 import { PANELS, panelOf } from "./panels.tsx";
-import { useSession } from "./provided.tsx";
 import { reportTranslation } from "./report_errors.ts";
+import { useSession } from "./session_context.tsx";
 import { applyTheme } from "./theme.ts";
 
 const THEME = { ...themeAbyss, name: "rafcon", className: "dockview-theme-rafcon", gap: 0 };

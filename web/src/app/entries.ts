@@ -3,7 +3,7 @@
 import { type CommandMenuEntry, entryOf } from "../commands/menus.ts";
 import type { CommandId } from "../store/page/command_arguments.ts";
 import { useKeys } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** Commands as entries of a menu, as they are when it opens. */
 export function useEntries(ids: readonly CommandId[]): () => readonly CommandMenuEntry[] {

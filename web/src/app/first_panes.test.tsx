@@ -8,8 +8,8 @@ import type { Page } from "../store/page/page.ts";
 import { draw, settled, unmount } from "../ui/testing/mounted.tsx";
 import { beginsWithMission, FirstPanesPort } from "./first_panes.tsx";
 import { HostedParts, HostedPlace } from "./hosted.tsx";
-import { SessionProvider } from "./provided.tsx";
 import type { AppSession, DockPort } from "./session.ts";
+import { SessionProvider } from "./session_context.tsx";
 import { shown } from "./testing/shown.tsx";
 
 afterEach(unmount);

@@ -14,8 +14,8 @@ import { useSignal } from "../ui/signals.ts";
 import { HostedPlace } from "./hosted.tsx";
 import { initialLayout, takeAsked } from "./initial_layout.ts";
 import { LAYOUT_KEY, SHIPPED } from "./layouts.ts";
-import { useSession } from "./provided.tsx";
 import type { DockPort } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 
 /** Replaces the dock until it is loaded. Keeps the calls meanwhile, and repeats them in the dock. */
 export class FirstPanesPort implements DockPort {

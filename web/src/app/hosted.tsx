@@ -8,7 +8,7 @@ import { Mission } from "../panels/mission/mission.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { CanvasArea } from "./canvas_area.tsx";
 import { PanelGuard } from "./panel_guard.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 const HOSTED = {
   canvas: { name: "The canvas", content: CanvasArea },

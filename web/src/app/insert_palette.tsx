@@ -5,7 +5,7 @@ import { DRAGGED_TYPE, dragged } from "../store/page/dragged.ts";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS, KIND_TITLES, NEW_KINDS } from "./kinds.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 const SHORT = {
   execution: "Execution",

@@ -4,7 +4,7 @@ import { useMemo } from "react";
 import { shownKey } from "../commands/keys.ts";
 import { useSignal } from "../ui/signals.ts";
 import { keysOf } from "./keyboard.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** The keys of a command. */
 export function useKeys(): (id: string) => readonly string[] {

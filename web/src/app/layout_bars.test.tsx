@@ -10,8 +10,8 @@ import type { Layouter } from "../plan/arrange.ts";
 import type { LayoutProposal, ProposedEdit } from "../store/document/machine_session.ts";
 import { click, mount, press, unmount } from "../ui/testing/mounted.tsx";
 import { LayoutWorkBar, ProposedLayoutBar } from "./layout_bars.tsx";
-import { SessionProvider } from "./provided.tsx";
 import { newSession } from "./session.ts";
+import { SessionProvider } from "./session_context.tsx";
 
 vi.mock("../commands/layouter.ts", () => ({ layOut: vi.fn<Layouter>(), abandonLayout: vi.fn() }));
 

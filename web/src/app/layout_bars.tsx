@@ -9,7 +9,7 @@ import { mayEdit } from "../store/page/rights.ts";
 import { Button } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** Fewest states whose layout shows a bar; smaller ones finish too soon to read it. */
 const STATES_MIN = 60;

@@ -3,7 +3,7 @@
 import { agePhrase } from "../panels/parts/age.ts";
 import { useSignal } from "../ui/signals.ts";
 import { useNow } from "./bars.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 export function LinkState() {
   const { page } = useSession();

@@ -4,7 +4,7 @@ import { useState } from "react";
 import { RefusalError } from "../store/page/server.ts";
 import { Button } from "../ui/button.tsx";
 import { TextField } from "../ui/field.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./login.css";
 
 export function Login({ reason }: { reason: string }) {

@@ -4,7 +4,7 @@ import { type KeyboardEvent, useRef, useState } from "react";
 import { barMenu, menuTitles } from "../commands/menus.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { useKeys } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 export function MenuBar() {
   const { commands, context } = useSession();

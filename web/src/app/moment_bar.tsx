@@ -12,7 +12,7 @@ import { gapsOf } from "../store/run/gaps.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useKeys } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./moment_bar.css";
 
 export function MomentBar({ tab }: { tab: OpenTab }) {

@@ -9,7 +9,7 @@ import type { Notice } from "../store/page/page.ts";
 import { timeScale, wallTime } from "../store/page/times.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./notice_centre.css";
 
 /** The button in the upper edge, with how many notices nobody has seen here. */
@@ -139,7 +139,7 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
   const host = useHost();
   useSignal(timeScale);
   const { action, about, level, at_ms } = notice;
-  const Sign = SIGNS[level];
+  const Icon = SIGNS[level];
   const close = () => closeNotices(session.page, [notice]);
   const tab =
     about &&
@@ -149,7 +149,7 @@ function Line({ notice, onLeave }: { notice: Notice; onLeave: () => void }) {
   const element = about?.element;
   return (
     <li className={`notice notice-${level}`}>
-      <Sign size={15} aria-hidden />
+      <Icon size={15} aria-hidden />
       <div className="notice-body">
         <span className="notice-text">{noticeText(notice)}</span>
         <span className="notice-foot">

@@ -9,8 +9,8 @@ import { putNotice, type Telling } from "../store/page/notices.ts";
 import type { Notice, Page } from "../store/page/page.ts";
 import { click, mount, press, unmount } from "../ui/testing/mounted.tsx";
 import { NoticeBell } from "./notice_centre.tsx";
-import { SessionProvider } from "./provided.tsx";
 import { newSession } from "./session.ts";
+import { SessionProvider } from "./session_context.tsx";
 import { Toasts } from "./toasts.tsx";
 
 beforeEach(() => void vi.useFakeTimers());

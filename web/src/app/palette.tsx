@@ -14,8 +14,8 @@ import { useKeys } from "./keys_shown.ts";
 import { KIND_ICONS } from "./kinds.ts";
 import { type FindStates, type PaletteItem, searched } from "./palette_index.ts";
 import { type ProjectNode, useProjects } from "./project_tree.tsx";
-import { useSession } from "./provided.tsx";
 import type { AppSession } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 import "./palette.css";
 
 export function Palette({ initial }: { initial: string }) {

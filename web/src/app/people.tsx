@@ -4,7 +4,7 @@ import type { Presence } from "../model/generated/protocol.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import { select } from "../store/page/view.ts";
 import { useSignal } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 export function People() {
   const { page } = useSession();

@@ -6,7 +6,7 @@ import type { FileNode, MachineFile, Project } from "../model/generated/protocol
 import { Empty } from "../ui/empty.tsx";
 import { useSignal } from "../ui/signals.ts";
 import { Tree } from "../ui/tree.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** A project, folder or machine. */
 export interface ProjectNode {

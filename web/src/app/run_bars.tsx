@@ -9,7 +9,7 @@ import type { OpenTab } from "../store/page/page.ts";
 import type { RunAge } from "../store/run/age.ts";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** Fewer arrive before a bar could be read. */
 const WORTH_SAYING = 100;

@@ -17,7 +17,7 @@ import { runsOfTab } from "../store/run/running.ts";
 import { ContextMenu } from "../ui/menu.tsx";
 import { isSameRecord, useComputed, useSignal } from "../ui/signals.ts";
 import { useEntries } from "./entries.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 
 /** Number of runs in the menu; the panel lists all. */
 const RUNS_MAX = 12;

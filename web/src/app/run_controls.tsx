@@ -20,8 +20,8 @@ import { ContextMenu } from "../ui/menu.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useEntries } from "./entries.ts";
 import { useShownKey } from "./keys_shown.ts";
-import { useSession } from "./provided.tsx";
 import { RunChooser } from "./run_chooser.tsx";
+import { useSession } from "./session_context.tsx";
 import "./run_controls.css";
 
 export function RunControls() {

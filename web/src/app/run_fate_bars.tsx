@@ -15,8 +15,8 @@ import { liveRun, snapshotOf } from "../store/run/running.ts";
 import { Button } from "../ui/button.tsx";
 import { isSameList, useComputed, useSignal } from "../ui/signals.ts";
 import { Bar } from "./bar.tsx";
-import { useSession } from "./provided.tsx";
 import { isInMission } from "./session.ts";
+import { useSession } from "./session_context.tsx";
 
 export function RunFateBars({ tab }: { tab: OpenTab }) {
   const session = useSession();

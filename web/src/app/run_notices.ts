@@ -5,7 +5,7 @@ import { effect } from "@preact/signals-core";
 import { MISSION_PANEL } from "../commands/mission.ts";
 import type { Control } from "../model/generated/protocol.ts";
 import { duration } from "../panels/parts/duration.ts";
-import { nameSoon } from "../store/document/name_soon.ts";
+import { nameWhenLoaded } from "../store/document/name_when_loaded.ts";
 import { didInWords, type RunFailure } from "../store/history/failures.ts";
 import { openQuestions } from "../store/history/questions.ts";
 import type { Watch } from "../store/history/run.ts";
@@ -84,7 +84,7 @@ function tellQuestions(watch: Watch, { session }: OpenTab, tell: Tell): () => vo
     for (const { id, path, message } of openQuestions(watch)) {
       if (known.has(id)) continue;
       known.add(id);
-      void nameSoon(session, path).then((name) => {
+      void nameWhenLoaded(session, path).then((name) => {
         const text = `${name} asks: ${message}`;
         tell({ topic: `question ${id}`, level: "warning", text, title: "Answer" });
       });
@@ -103,7 +103,7 @@ function tellFailures(watch: Watch, { session }: OpenTab, tell: Tell): () => voi
     const last = newest(fresh);
     if (!last || last.sequence === reportedSequence) return;
     reportedSequence = last.sequence;
-    const name = last.path === "" ? "" : await nameSoon(session, last.path);
+    const name = last.path === "" ? "" : await nameWhenLoaded(session, last.path);
     const text = failuresInWords(last, fresh.length, name);
     tell({ topic: "failures", level: "error", text, title: "Show" });
   };
@@ -154,7 +154,7 @@ function tellLonger({ page }: AppSession, watch: Watch, { session }: OpenTab): (
   return effect(() => {
     const all = longerThanEver(page, watch);
     for (const longer of alarms.due(all, clock1s.value)) {
-      void nameSoon(session, longer.path).then((name) => {
+      void nameWhenLoaded(session, longer.path).then((name) => {
         const text = longerInWords(name, longer);
         const action = {
           title: "Mission control",

@@ -10,7 +10,7 @@ import type { SentCommand, Watch } from "../store/history/run.ts";
 import { withStateNames } from "../store/page/names.ts";
 import { IconButton } from "../ui/button.tsx";
 import { useSignal } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./sent_commands.css";
 
 const EVERY_MS = 100;

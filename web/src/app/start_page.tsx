@@ -8,7 +8,7 @@ import { TextField } from "../ui/field.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
 import { useShownKey } from "./keys_shown.ts";
 import { ProjectTree, useProjects } from "./project_tree.tsx";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./canvas_area.css";
 
 const RECENT_SHOWN = 8;

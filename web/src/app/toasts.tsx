@@ -7,7 +7,7 @@ import { closeNotices, keyOfNotice, noticeText } from "../store/page/notices.ts"
 import type { Notice } from "../store/page/page.ts";
 import { Button, IconButton } from "../ui/button.tsx";
 import { useComputed, useSignal } from "../ui/signals.ts";
-import { useSession } from "./provided.tsx";
+import { useSession } from "./session_context.tsx";
 import "./toasts.css";
 
 /** Time that a toast stays, by its level. The pointer holds it. News of runs disappear sooner, because mission control has them. */

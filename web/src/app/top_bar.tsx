@@ -10,8 +10,8 @@ import { MachineTabs } from "./machine_tabs.tsx";
 import { MenuBar } from "./menu_bar.tsx";
 import { NoticeBell } from "./notice_centre.tsx";
 import { People } from "./people.tsx";
-import { useSession } from "./provided.tsx";
 import { RunControls } from "./run_controls.tsx";
+import { useSession } from "./session_context.tsx";
 import "./top_bar.css";
 
 export function TopBar() {

@@ -6,8 +6,8 @@ import { parentOf } from "../model/path.ts";
 import { select, selected, selectedStates } from "../store/page/view.ts";
 import { filling } from "./camera/framing.ts";
 import type { InteractionController, InteractionHost } from "./interaction.ts";
-import { filledBy } from "./tools/stage.ts";
 import { type Direction, entrance, portWalk, walked } from "./tools/walk.ts";
+import { filledBy } from "./tools/working_container.ts";
 
 /** A pressed key, with its name as in `KeyboardEvent.key`. */
 export interface KeyPress {
@@ -104,10 +104,10 @@ function walk(
 ): boolean {
   const { machine } = tab.session;
   const from = selected(tab.view).at(-1);
-  const stage: ElementRef = { kind: "state", path: controller.stage.peek() };
+  const workingContainer: ElementRef = { kind: "state", path: controller.workingContainer.peek() };
   const to = from
     ? walked(machine, controller.layout(), from, direction)
-    : (entrance(machine, controller.layout(), stage.path) ?? stage);
+    : (entrance(machine, controller.layout(), workingContainer.path) ?? workingContainer);
   if (to) {
     select(tab.view, [to]);
     controller.reveal(to);

@@ -31,5 +31,5 @@ export interface CanvasControl {
   readonly flush: () => void;
   readonly focus: () => void;
   /** The innermost state that fills the view. The user works in it. */
-  readonly stage: ReadonlySignal<string>;
+  readonly workingContainer: ReadonlySignal<string>;
 }

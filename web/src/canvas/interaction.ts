@@ -36,7 +36,7 @@ import {
 } from "./tools/gesture.ts";
 import { type Fingers, panning, pinched, type Wheel, wheeled } from "./tools/pan.ts";
 import { cursorAt, type Press, pressing } from "./tools/press.ts";
-import { stageOf } from "./tools/stage.ts";
+import { workingContainerOf } from "./tools/working_container.ts";
 
 /** Services that the controller needs from the canvas and the page. */
 export interface InteractionHost {
@@ -80,7 +80,7 @@ export class InteractionController {
   readonly overlay: Signal<Overlay> = signal(NO_OVERLAY);
   readonly cursor: Signal<string> = signal("default");
   /** The innermost state that fills the view. The user works in it. */
-  readonly stage: ReadonlySignal<string>;
+  readonly workingContainer: ReadonlySignal<string>;
   readonly #host: InteractionHost;
   #gesture: Gesture | null = null;
   #nudging: Nudging | null = null;
@@ -91,10 +91,10 @@ export class InteractionController {
   constructor(host: InteractionHost) {
     this.#host = host;
     const { session, view } = host.tab;
-    this.stage = computed(() => {
+    this.workingContainer = computed(() => {
       session.version.value;
       view.contents.value;
-      return this.#stageAt(view.camera.value);
+      return this.#workingContainerAt(view.camera.value);
     });
   }
 
@@ -239,7 +239,7 @@ export class InteractionController {
   }
 
   doubleClick(pointer: Pointer): void {
-    this.#drop();
+    this.#endGesture();
     const hit = this.at(pointer);
     if (!hit) return;
     const { path } = hit.element;
@@ -290,7 +290,7 @@ export class InteractionController {
   cancel(): boolean {
     this.flush();
     if (!this.#gesture) return false;
-    this.#drop();
+    this.#endGesture();
     return true;
   }
 
@@ -344,8 +344,8 @@ export class InteractionController {
     this.#host.rename(path);
   }
 
-  #stageAt(camera: Camera): string {
-    return stageOf({ ...this.toolContext(), camera });
+  #workingContainerAt(camera: Camera): string {
+    return workingContainerOf({ ...this.toolContext(), camera });
   }
 
   /** Starts a connection at the selected element, by keyboard. */
@@ -445,14 +445,14 @@ export class InteractionController {
     };
   }
 
-  #drop(): void {
+  #endGesture(): void {
     this.#gesture = null;
     this.overlay.value = NO_OVERLAY;
     this.cursor.value = "default";
   }
 
   #complete(gesture: Gesture): void {
-    this.#drop();
+    this.#endGesture();
     this.#take(gesture.result());
   }
 

@@ -110,10 +110,10 @@ test("two taps of a finger drill into a state", () => {
       new PointerEvent(name, { clientX: 500, clientY: 600, pointerType: "touch", pointerId: 7 }),
     );
   for (const name of ["pointerdown", "pointerup", "pointerdown"]) tap(name);
-  expect(mounted.control.stage.value).toBe("R");
+  expect(mounted.control.workingContainer.value).toBe("R");
   vi.spyOn(window, "matchMedia").mockReturnValue({ matches: true } as MediaQueryList);
   tap("pointerup");
-  expect(mounted.control.stage.value).toBe("R/C");
+  expect(mounted.control.workingContainer.value).toBe("R/C");
 });
 
 test("the wheel zooms and the page does not scroll", () => {

@@ -161,7 +161,7 @@ function controlOf(
     openMenu,
     flush: () => controller.flush(),
     focus: () => root.focus({ preventScroll: true }),
-    stage: controller.stage,
+    workingContainer: controller.workingContainer,
   };
 }
 
@@ -259,8 +259,8 @@ function keepReading(
   };
   const show = () => {
     frame = 0;
-    const [layout, stage] = [controller.layout(), controller.stage.peek()];
-    reader.show(treeLines(session.machine, layout, stage, selected(view), signsOf));
+    const [layout, workingContainer] = [controller.layout(), controller.workingContainer.peek()];
+    reader.show(treeLines(session.machine, layout, workingContainer, selected(view), signsOf));
     tell();
   };
   const showRun = () => {
@@ -270,7 +270,7 @@ function keepReading(
   const stop = effect(() => {
     session.version.value;
     view.selection.value;
-    controller.stage.value;
+    controller.workingContainer.value;
     if (frame === 0) frame = requestAnimationFrame(show);
   });
   const stopRunning = effect(() => {

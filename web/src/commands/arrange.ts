@@ -22,7 +22,7 @@ import { ungroup } from "../plan/ungroup.ts";
 import type { Substitution } from "../store/page/command_arguments.ts";
 import type { OpenTab } from "../store/page/page.ts";
 import type { CommandContext, MenuPlace, Rgb, UserCommand } from "./command.ts";
-import { stageOf } from "./edit.ts";
+import { workingContainerOf } from "./edit.ts";
 import { libraryMachine } from "./insert.ts";
 import { layoutOf } from "./layout_work.ts";
 import { perform } from "./perform.ts";
@@ -262,14 +262,14 @@ export async function proposeLayout(tab: OpenTab): Promise<boolean> {
 function levelToLayOut(context: CommandContext): string | null {
   const [first] = elements(context);
   if (first?.kind === "state") return parentOf(first.path) ?? first.path;
-  return first?.path ?? stageOf(context);
+  return first?.path ?? workingContainerOf(context);
 }
 
 /** The container that is laid out with all inside: the one that is selected, else the one that one works in. */
 function containerToLayOut(context: CommandContext): string | null {
   const path = onlyState(context);
   const state = path === null ? undefined : machineOf(context)?.state(path);
-  return path !== null && state && isContainer(state) ? path : stageOf(context);
+  return path !== null && state && isContainer(state) ? path : workingContainerOf(context);
 }
 
 const LAID_OUT: readonly UserCommand[] = [

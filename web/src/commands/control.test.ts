@@ -7,7 +7,7 @@ import { refusalOf } from "./command.ts";
 import { silenceLeft } from "./control.ts";
 import { type TestContext, testContext } from "./testing/context.ts";
 
-/** A run in front; what the server said last, it said at this time of its clock. */
+/** A run in front; the last message of the server has this time of its clock. */
 function controlled(
   control: Partial<Control>,
   server_ms = 0,

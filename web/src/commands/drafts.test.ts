@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Edit } from "../model/generated/protocol.ts";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { type FieldDraft, openDrafts } from "../store/document/drafts.ts";
 import type { EditAnswer } from "../store/document/machine_session.ts";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { besides } from "./edit.ts";
 

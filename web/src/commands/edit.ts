@@ -118,7 +118,7 @@ export const EDIT: readonly UserCommand[] = [
     enabled: ({ tab }) => tab !== null,
     run: (context) => {
       const { tab } = context;
-      const around = stageOf(context);
+      const around = workingContainerOf(context);
       if (!tab || around === null) return;
       const paths = tab.session.machine.children(around);
       select(
@@ -197,13 +197,13 @@ async function copy(context: CommandContext, transfer: TextTransfer | null): Pro
 }
 
 /** The container that one works in: the one that fills the view, or the one around what is selected. */
-export function stageOf(context: CommandContext): string | null {
-  return context.canvas?.stage.value ?? containerOf(context);
+export function workingContainerOf(context: CommandContext): string | null {
+  return context.canvas?.workingContainer.value ?? containerOf(context);
 }
 
 function selectStart(context: CommandContext): void {
   const { tab, canvas } = context;
-  const path = stageOf(context);
+  const path = workingContainerOf(context);
   const container = path === null ? undefined : tab?.session.machine.state(path);
   const start = container && startOf(container)?.to_state;
   if (!tab || path === null || !start) {

@@ -1,7 +1,7 @@
 /** Planning for the machine in front: the panel, and taking an answer into the machine. */
 
 import { isWithin, parentOf } from "../model/path.ts";
-import { machineOf as machineOfDocument } from "../model/plain.ts";
+import { machineOf as machineOfDocument } from "../model/plain_machine.ts";
 import { acceptPlan } from "../plan/accept_plan.ts";
 import { isRefused } from "../plan/plan.ts";
 import type { OpenTab } from "../store/page/page.ts";

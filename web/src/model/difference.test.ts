@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { differences, marksOf } from "./difference.ts";
 import type { Document, StateDocument } from "./generated/protocol.ts";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { sketch } from "./testing/sketch.ts";
 
 const TEXT = `

@@ -9,7 +9,7 @@ import {
   endsIn,
   nameOf,
 } from "./ends.ts";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { sketch } from "./testing/sketch.ts";
 
 const MACHINE = machineOf(

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import type { StateDocument } from "./generated/protocol.ts";
 import { globalsOf } from "./globals.ts";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { sketch } from "./testing/sketch.ts";
 
 function scripted(states: readonly StateDocument[], scripts: Record<string, string>) {

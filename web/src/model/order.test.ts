@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { inOrder } from "./order.ts";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { sketch } from "./testing/sketch.ts";
 
 function check(text: string, expected: string): void {

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { match, queryOf } from "./match.ts";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { search } from "./search.ts";
 import { sketch } from "./testing/sketch.ts";
 

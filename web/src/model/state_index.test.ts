@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { machineOf } from "./plain.ts";
+import { machineOf } from "./plain_machine.ts";
 import { stateIndex } from "./state_index.ts";
 import { sketch } from "./testing/sketch.ts";
 

@@ -4,7 +4,7 @@ import type { Document, StateDocument } from "../model/generated/protocol.ts";
 import { type Box, intersects } from "../model/geometry.ts";
 import { childBox, readLayout, rootSize } from "../model/layout_reader.ts";
 import { type Machine, transitionsOf } from "../model/machine.ts";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import { sketch } from "../model/testing/sketch.ts";
 import { arrange, elkGraph } from "./arrange.ts";
 import { arranged } from "./arranged.ts";

@@ -6,7 +6,7 @@ import { changed, scaledBox, scaledLayout } from "../model/layout.ts";
 import { childBox, rootSize } from "../model/layout_reader.ts";
 import type { Machine } from "../model/machine.ts";
 import { idOf, parentOf } from "../model/path.ts";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import { boxIn, childBoxes } from "./boxes.ts";
 
 /** A state and its descendants, with paths from its id. The content of libraries is excluded. */

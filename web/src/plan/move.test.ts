@@ -3,7 +3,7 @@ import type { Edit } from "../model/generated/protocol.ts";
 import { intersects } from "../model/geometry.ts";
 import { changed } from "../model/layout.ts";
 import { readLayout } from "../model/layout_reader.ts";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import { boxIn } from "./boxes.ts";
 import { clipOf, copySelection, duplicate, paste, pasteClip } from "./clipboard.ts";
 import { group, substitute } from "./group.ts";

@@ -3,7 +3,7 @@
 import type { Document } from "../model/generated/protocol.ts";
 import { isSame } from "../model/json.ts";
 import type { Machine } from "../model/machine.ts";
-import { machineOf } from "../model/plain.ts";
+import { machineOf } from "../model/plain_machine.ts";
 import type { LibraryKey } from "../store/document/graft.ts";
 import type { Server } from "../store/page/server.ts";
 

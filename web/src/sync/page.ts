@@ -74,7 +74,7 @@ export function startPage(options: PageOptions = {}): Page {
   const machines = openMachines(ports, settings, runs);
   const isRestoring = followSession({ ...ports, ...stores, ...machines, runs, leaving });
   tellPresence(server, () => machines.active.value, clock);
-  tellBreaks(server, clock, tell);
+  announceReconnects(server, clock, tell);
   tellStorageFault(tell);
   const known = { serverStatus, projects, libraries, robots: followRobots(server), isRestoring };
   return { server, ...known, runs, notices, droppedNotices, settings, tell, ...machines };
@@ -156,7 +156,7 @@ function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>
   const { request } = ports.server;
   const { tabs, active, front, enter, leave } = newTabs();
 
-  const come = (summary: MachineSummary, isBehind = false): Promise<OpenTab> => {
+  const come = (summary: MachineSummary, inBackground = false): Promise<OpenTab> => {
     const { id, file } = summary;
     if (file) settings.value = withRecent(settings.peek(), file);
     const get = async () => {
@@ -169,24 +169,24 @@ function openMachines(ports: OpenMachineSessionPorts, settings: Signal<Settings>
       followDrafts(session, drafts);
       return session;
     };
-    return enter(id, get, null, isBehind);
+    return enter(id, get, null, inBackground);
   };
 
-  const open = async (file: MachineFile, isBehind = false) =>
-    come(await request<MachineSummary>("POST", "/machines/open", { file }), isBehind);
+  const open = async (file: MachineFile, inBackground = false) =>
+    come(await request<MachineSummary>("POST", "/machines/open", { file }), inBackground);
 
   const join = async (machine: string) => {
     const path = `/machines/${encodeURIComponent(machine)}`;
     return come((await request<MachineStatus>("GET", path)).summary);
   };
 
-  const showAsRan = (id: string, isBehind = false) => {
+  const showAsRan = (id: string, inBackground = false) => {
     const watch = runs.watch(id);
     return enter(
       runSessionId(id),
       () => RunMachineSession.enter(watch, runs, ports),
       watch,
-      isBehind,
+      inBackground,
     );
   };
 
@@ -238,7 +238,7 @@ function tellStorageFault(tell: Page["tell"]): void {
 const NOTICED_MS = 2_000;
 
 /** Says when the connection is back after a break (to wait for a login is none), and when there is another server behind it. */
-function tellBreaks(server: Server, clock: Clock, tell: Page["tell"]): void {
+function announceReconnects(server: Server, clock: Clock, tell: Page["tell"]): void {
   let since: number | null = null;
   let version: string | null = null;
   effect(() => {

@@ -18,7 +18,7 @@ async function setUp() {
   server.first().answer(FIRST);
   const session = await entered;
   const children = () => session.machine.children("R").join(" ");
-  /** The run goes by another machine from now on, and the page is told. */
+  /** Reports that the run uses another machine from now on. */
   const goBy = (hash: string) => {
     server.happen({ type: "root", hash, change: "" });
     server.tell(1);

@@ -26,9 +26,9 @@ interface SessionPorts {
   readonly shared: LocalStore;
   readonly tabs: Signal<readonly OpenTab[]>;
   readonly active: Signal<OpenTab | null>;
-  /** `isBehind`: what is in front stays there. */
-  readonly open: (file: MachineFile, isBehind: boolean) => Promise<OpenTab>;
-  readonly showAsRan: (run: string, isBehind: boolean) => Promise<OpenTab>;
+  /** `inBackground`: what is in front stays there. */
+  readonly open: (file: MachineFile, inBackground: boolean) => Promise<OpenTab>;
+  readonly showAsRan: (run: string, inBackground: boolean) => Promise<OpenTab>;
   readonly runs: Pick<Runs, "all" | "refresh" | "watch">;
   /** Calls when the page is about to end. */
   readonly leaving: (call: () => void) => void;

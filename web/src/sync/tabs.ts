@@ -12,12 +12,12 @@ export function newTabs() {
   const active = signal<OpenTab | null>(null);
   const coming = new Map<string, Promise<OpenTab>>();
 
-  const put = (session: MachineSession, run: Watch | null, isBehind: boolean): OpenTab => {
+  const put = (session: MachineSession, run: Watch | null, inBackground: boolean): OpenTab => {
     const tab: OpenTab = { session, view: newView(), run: signal(run) };
     session.onChange(() => forgetGone(tab.view, session.machine));
     batch(() => {
       tabs.value = [...tabs.peek(), tab];
-      if (!isBehind) active.value = tab;
+      if (!inBackground) active.value = tab;
     });
     return tab;
   };
@@ -27,19 +27,19 @@ export function newTabs() {
     return tab;
   };
 
-  /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it; `isBehind`: what is in front stays. */
+  /** Brings the tab of a machine to the front, or makes one, with the run that is shown on it; `inBackground`: what is in front stays. */
   const enter = (
     id: string,
     get: () => Promise<MachineSession>,
     run: Watch | null = null,
-    isBehind = false,
+    inBackground = false,
   ): Promise<OpenTab> => {
     const there = tabs.peek().find(({ session }) => session.id === id);
-    if (there) return Promise.resolve(isBehind ? there : front(there));
+    if (there) return Promise.resolve(inBackground ? there : front(there));
     const before = coming.get(id);
     if (before) return before;
     const entering = get()
-      .then((session) => put(session, run, isBehind))
+      .then((session) => put(session, run, inBackground))
       .finally(() => coming.delete(id));
     coming.set(id, entering);
     return entering;

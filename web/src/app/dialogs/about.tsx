@@ -2,7 +2,7 @@
 
 import { Dialog } from "../../ui/dialog.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 
 export function About({ answer }: NamedDialogProps<"about">) {

@@ -8,7 +8,7 @@ import { namesTo } from "../../model/machine.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Checkbox, Select, TextField } from "../../ui/field.tsx";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 
 export function BreakpointDialog({ asks, answer }: NamedDialogProps<"breakpoint">) {

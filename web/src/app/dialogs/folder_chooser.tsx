@@ -5,7 +5,7 @@ import type { LibraryRoot, MachineFile, Project } from "../../model/generated/pr
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 
 interface ChosenFolder {

@@ -7,7 +7,7 @@ import { Dialog } from "../../ui/dialog.tsx";
 import { TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { filtered, type ProjectNode, ProjectTree, useProjects } from "../project_tree.tsx";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 

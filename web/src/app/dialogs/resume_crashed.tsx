@@ -6,7 +6,7 @@ import type { Watch } from "../../store/history/run.ts";
 import { RefusalError } from "../../store/page/server.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 
 const CHOICES = [

@@ -10,7 +10,7 @@ import { Button } from "../../ui/button.tsx";
 import { useConfirmPress } from "../../ui/confirm_press.ts";
 import { Dialog } from "../../ui/dialog.tsx";
 import { useComputed } from "../../ui/signals.ts";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 
 export function SetAside({ asks: tab, answer }: NamedDialogProps<"set-aside">) {

@@ -7,7 +7,7 @@ import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
 import { Select } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 
 export function SettingsDialog({ answer }: NamedDialogProps<"settings">) {

@@ -10,8 +10,8 @@ import type { MachineSession } from "../../store/document/machine_session.ts";
 import type { Watch } from "../../store/history/run.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";
 import { mount } from "../../ui/testing/mounted.tsx";
-import { SessionProvider } from "../provided.tsx";
 import { type AppSession, newSession } from "../session.ts";
+import { SessionProvider } from "../session_context.tsx";
 
 /** Those of an engineer. */
 const RIGHTS = ["observe", "command", "start", "edit"] as const;

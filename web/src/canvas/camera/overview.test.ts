@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { type GhostMachine, MODES } from "../../store/page/view.ts";
 import { layoutTreeOf } from "../layout/layout_tree.ts";

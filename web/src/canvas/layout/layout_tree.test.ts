@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Document, Edit, StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { MODES } from "../../store/page/view.ts";
 import type { ProvisionalEdit } from "../overlay.ts";

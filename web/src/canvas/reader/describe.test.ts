@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { ElementRef } from "../../model/element.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import type { MarkPhase, RunMark } from "../../store/run/marks.ts";
 import { ARM } from "../testing/driver.ts";

@@ -9,7 +9,7 @@ function lines(canvas: ReturnType<typeof driver>, ...keys: readonly string[]): r
   return treeLines(
     canvas.session.machine,
     canvas.controller.layout(),
-    canvas.controller.stage.value,
+    canvas.controller.workingContainer.value,
     selection,
     () => ({}),
   );

@@ -23,12 +23,12 @@ const AROUND_MAX = 40;
 export function treeLines(
   machine: Machine,
   layout: Layout,
-  stage: string,
+  workingContainer: string,
   selection: readonly ElementRef[],
   signsOf: (path: string) => Signs,
 ): readonly TreeLine[] {
   const active = selection.at(-1);
-  const container = levelOf(layout, stage, active);
+  const container = levelOf(layout, workingContainer, active);
   const chosen = new Set(selection.map(keyOf));
   const line = (
     element: ElementRef,
@@ -57,8 +57,8 @@ export function treeLines(
 }
 
 /** Container of the selection, or else the one that fills the view. */
-function levelOf(layout: Layout, stage: string, active: ElementRef | undefined): string {
-  if (!active || !layout.box(active.path)) return stage;
+function levelOf(layout: Layout, workingContainer: string, active: ElementRef | undefined): string {
+  if (!active || !layout.box(active.path)) return workingContainer;
   if (active.kind === "transition" || active.kind === "data_flow") return active.path;
   return parentOf(active.path) ?? active.path;
 }

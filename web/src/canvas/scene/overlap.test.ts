@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { contains } from "../../model/geometry.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { MODES } from "../../store/page/view.ts";
 import type { RunMark } from "../../store/run/marks.ts";

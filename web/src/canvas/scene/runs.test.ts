@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { sinceStart } from "../../store/page/times.ts";
 import { MODES } from "../../store/page/view.ts";

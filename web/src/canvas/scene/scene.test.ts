@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import type { Machine } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { type Camera, MODES } from "../../store/page/view.ts";
 import { layoutTreeOf } from "../layout/layout_tree.ts";

@@ -1,11 +1,11 @@
 /** The canvas without a browser, for tests: a machine in short text, the real interaction controller, tools, plans and places. Points may be
- * said as the screen's, as a state (`A`, its middle) or as a port (`A.ok`, `A.income`). */
+ * given on the screen, as a state (`A`, its middle) or as a port (`A.ok`, `A.income`). */
 
 import { signal } from "@preact/signals-core";
 import { elementOf, keyOf } from "../../model/element.ts";
 import type { Edit } from "../../model/generated/protocol.ts";
 import { centre, type Point } from "../../model/geometry.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import type {
   EditAnswer,

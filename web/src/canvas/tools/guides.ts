@@ -4,7 +4,7 @@ import { type Box, intersects, type Point } from "../../model/geometry.ts";
 import { visibleBox } from "../camera/camera.ts";
 import { childrenIn } from "../hit/near.ts";
 import type { Overlay } from "../overlay.ts";
-import { stepFor } from "../scene/ruled.ts";
+import { stepFor } from "../scene/gridlines.ts";
 import type { ToolContext } from "./gesture.ts";
 
 export type Guides = Overlay["guides"];

@@ -23,8 +23,8 @@ import { panning } from "./pan.ts";
 import { sliding } from "./port.ts";
 import { reconnecting } from "./reconnect.ts";
 import { cursorOf, resizing } from "./resize.ts";
-import { isStage } from "./stage.ts";
 import { bending } from "./waypoint.ts";
+import { isStage } from "./working_container.ts";
 
 /** Position and kind of a press. */
 export interface Press extends Pointer {

@@ -43,14 +43,14 @@ test("Escape ends the gesture, then the selection, then goes one level out", () 
   expect([canvas.selection(), canvas.isClear()]).toEqual(["state:R/A", true]);
   expect(canvas.key("Escape").selection()).toBe("");
   canvas.controller.fit(["R/C"]);
-  expect(canvas.controller.stage.value).toBe("R/C");
+  expect(canvas.controller.workingContainer.value).toBe("R/C");
   canvas.key("Escape");
-  expect(canvas.controller.stage.value).toBe("R");
+  expect(canvas.controller.workingContainer.value).toBe("R");
 });
 
 test("a double click drills into a state, and on its name renames it", () => {
   const canvas = driver().doubleClick({ x: 500, y: 600 });
-  expect(canvas.controller.stage.value).toBe("R/C");
+  expect(canvas.controller.workingContainer.value).toBe("R/C");
   canvas.controller.fit([]);
   expect(canvas.doubleClick("A").renamed).toEqual(["R/A"]);
 });
@@ -62,5 +62,5 @@ test("a double click on the name of a closed container drills into it", () => {
         D execution 10 10 20 20
   `);
   canvas.doubleClick("C");
-  expect([canvas.renamed, canvas.controller.stage.value]).toEqual([[], "R/C"]);
+  expect([canvas.renamed, canvas.controller.workingContainer.value]).toEqual([[], "R/C"]);
 });

@@ -43,7 +43,10 @@ test("from a connection the keys lead to its ends", () => {
 
 test("Enter drills into the selected state", () => {
   const canvas = driver().select("state:R/C").key("Enter");
-  expect([canvas.controller.stage.value, canvas.selection()]).toEqual(["R/C", "state:R/C/D"]);
+  expect([canvas.controller.workingContainer.value, canvas.selection()]).toEqual([
+    "R/C",
+    "state:R/C/D",
+  ]);
 });
 
 test("Enter shows what is inside a library", () => {
@@ -52,10 +55,10 @@ test("Enter shows what is inside a library", () => {
     "G hierarchy 0 0 10 10",
   );
   canvas.select("state:R/L").key("Enter");
-  expect([canvas.controller.stage.value, canvas.controller.layout().children("R/L")]).toEqual([
-    "R/L/G",
-    ["R/L/G"],
-  ]);
+  expect([
+    canvas.controller.workingContainer.value,
+    canvas.controller.layout().children("R/L"),
+  ]).toEqual(["R/L/G", ["R/L/G"]]);
 });
 
 test("Escape leaves a library and its content at once", () => {
@@ -64,7 +67,7 @@ test("Escape leaves a library and its content at once", () => {
     "G hierarchy 0 0 10 10",
   );
   canvas.select("state:R/L").key("Enter").key("Escape").key("Escape");
-  expect(canvas.controller.stage.value).toBe("R");
+  expect(canvas.controller.workingContainer.value).toBe("R");
 });
 
 test("Escape leaves a state without content that fills the view", () => {

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals-core";
 import { type ElementKey, elementOf } from "../../model/element.ts";
 import type { Edit, MachineProblem, MachineStatus, Right } from "../../model/generated/protocol.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import type { MachineSession } from "../../store/document/machine_session.ts";
 import type { OpenTab, Page } from "../../store/page/page.ts";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../plain.ts";
+import { machineOf } from "../plain_machine.ts";
 import { sketch } from "./sketch.ts";
 
 test("a sketch is a document", () => {

@@ -254,7 +254,7 @@ function Row({ watch, node, calls, nameOf }: HistoryRowProps) {
   const began = calls.began_ns(first);
   return (
     <span className="history-row">
-      <Sign node={node} calls={calls} />
+      <Icon node={node} calls={calls} />
       <span className="history-name">{nameOfNode(node, calls, nameOf)}</span>
       <span className="history-when" title={runTimes(watch, began)}>
         {runTime(watch, began)}
@@ -265,7 +265,7 @@ function Row({ watch, node, calls, nameOf }: HistoryRowProps) {
   );
 }
 
-function Sign({ node, calls }: Pick<HistoryRowProps, "node" | "calls">) {
+function Icon({ node, calls }: Pick<HistoryRowProps, "node" | "calls">) {
   if (node.kind === "loop") return <Repeat size={13} aria-label="loop" />;
   if (node.kind !== "call") return <ListEnd size={13} aria-hidden />;
   if (calls.isBack(node.call)) return <Undo2 size={13} aria-label="step back" />;

@@ -156,10 +156,10 @@ function drag({ path, name }: LibraryName, event: DragEvent<HTMLElement>): void 
 }
 
 function Row({ node }: { readonly node: LibraryTreeNode }) {
-  const Sign = node.library ? LibrarySign : node.folder === null ? Folder : FolderTree;
+  const Icon = node.library ? LibrarySign : node.folder === null ? Folder : FolderTree;
   return (
     <span className="libraries-row" title={node.folder ?? node.key}>
-      <Sign size={14} aria-hidden />
+      <Icon size={14} aria-hidden />
       <span className="libraries-cut">
         <Marked text={node.name} spans={node.spans} />
       </span>

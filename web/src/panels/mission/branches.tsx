@@ -104,7 +104,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
   const place = placeOfLane(lane);
   const since_ms = lane.since_ms + sinceSnapshot_ms;
   const isLong = baseline !== null && isLongerThanEver(lane, baseline, since_ms);
-  const { Sign } = PHASES[lane.phase];
+  const { Icon } = PHASES[lane.phase];
   const around = pathInWords(names, place).split(" › ");
   const name = around.pop() ?? lane.name;
   return (
@@ -112,7 +112,7 @@ function Card({ lane, names, last, baseline, sinceSnapshot_ms }: CardProps) {
       <div className="mission-card-head">
         <p className="mission-card-way">{around.join(" › ")}</p>
         <p className="mission-card-phase">
-          <Sign size={16} aria-hidden />
+          <Icon size={16} aria-hidden />
           <span>{phaseInWords(lane, heldInWords)}</span>
         </p>
       </div>

@@ -22,7 +22,7 @@ test("a line that counts up can be acknowledged all the while, and only another 
   const { watch, tell } = watched(runLine("finished"));
   tell(warning("R/A"));
   const place = shown(<Events watch={watch} />, { watch });
-  /** Each line with how often it was told and, while its button waits, a dash. */
+  /** Each line with its count and, while its button waits, a dash. */
   const lines = () =>
     [...place.querySelectorAll("li")].map((line) => {
       const isOff = line.querySelector(".button")?.getAttribute("aria-disabled") === "true";

@@ -115,13 +115,13 @@ function Line({ failure, watch, names, isDone, isUnmoved }: EventLineProps) {
   const host = useHost();
   const run = useCommand();
   const { level, kind, path, reach, count, t_ns, sequence } = failure;
-  const Sign = kind === "crash" ? Zap : SIGNS[level];
+  const Icon = kind === "crash" ? Zap : SIGNS[level];
   const around = path === "" ? [] : pathInWords(names, path).split(" › ");
   const where = around.pop() ?? "";
   const when = useWhen(watch, t_ns / 1e6);
   return (
     <li className={`mission-event mission-event-${level} ${isDone ? "mission-event-done" : ""}`}>
-      <Sign size={18} aria-label={level} />
+      <Icon size={18} aria-label={level} />
       <div className="mission-event-text">
         <p className="mission-event-head">
           {where !== "" && (

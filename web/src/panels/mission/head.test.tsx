@@ -14,7 +14,7 @@ afterEach(() => {
   vi.useRealTimers();
 });
 
-/** The times at the head of mission control, a minute after the server was told how the run stands. */
+/** The times at the head of mission control, a minute after the last snapshot. */
 async function times(run: RunSummary, more: Partial<RunNow>): Promise<string> {
   vi.setSystemTime(STARTED_MS + 90_000);
   const snapshot = { status: "running", active: [], questions: [], elapsed_ms: 30_000 };

@@ -29,7 +29,7 @@ const WHOLE: LinkHealth = {
   rights: "command",
 };
 
-/** What is said of a link a minute after the run began, one fact a line. */
+/** Texts about a link a minute after the run began, one fact a line. */
 async function shownFor(
   robot?: LinkHealth,
   phase: "live" | "crashed" | "finished" = "live",

@@ -54,12 +54,12 @@ const BUTTONS: Readonly<Record<string, string>> = { step_over: "Step" };
 
 function Line({ line, onClose }: { readonly line: SentLine; readonly onClose: () => void }) {
   const { command, kind, words } = line;
-  const Sign = SIGNS[kind];
+  const Icon = SIGNS[kind];
   const { page } = useHost().context();
   const title = BUTTONS[command.type] ?? commandInWords(command);
   return (
     <li className={`mission-sent-${kind}`}>
-      <Sign size={16} aria-hidden />
+      <Icon size={16} aria-hidden />
       <span>
         <strong>{title}</strong> {withStateNames(page.tabs.peek(), page.active.peek(), words)}
       </span>

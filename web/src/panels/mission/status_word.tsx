@@ -41,12 +41,12 @@ export function StatusWord({
   readonly assumed?: string | null;
 }) {
   const isBad = status.word === "finished" && status.tone !== "plain";
-  const Sign = isBad ? CircleX : SIGNS[status.word];
+  const Icon = isBad ? CircleX : SIGNS[status.word];
   return (
     <span
       className={`mission-word mission-tone-${status.tone} ${assumed === null ? "" : "mission-assumed shows-run"}`}
     >
-      <Sign size={size} aria-hidden />
+      <Icon size={size} aria-hidden />
       <span>{status.word}</span>
       {status.word === "finished" && status.detail && (
         <span className="mission-status-outcome">{status.detail}</span>

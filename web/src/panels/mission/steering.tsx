@@ -76,44 +76,44 @@ interface PressProps {
 /** Button that needs a second press, and announces its effect after the first. A key that is held down presses once. */
 function ConfirmButton({
   name,
-  sign: Sign,
+  sign: Icon,
   refusal,
   className,
   onSure,
 }: PressProps & { readonly className: string; readonly onSure: () => void }) {
   const { asks, press } = useConfirmPress(onSure);
   return (
-    <Large
+    <BigButton
       className={`${className} ${asks ? "mission-asks" : ""}`}
       refusal={refusal}
       name={asks ? `Press again: ${name.toLowerCase()}` : name}
       onClick={press}
     >
-      <Sign size={26} aria-hidden />
+      <Icon size={26} aria-hidden />
       <span>{asks ? "Press again" : name}</span>
       <span className="visually-hidden" aria-live="assertive">
         {asks ? `Press again within three seconds to ${name.toLowerCase()} the run` : ""}
       </span>
-    </Large>
+    </BigButton>
   );
 }
 
 function ActionButton({
   name,
-  sign: Sign,
+  sign: Icon,
   refusal,
   command,
 }: PressProps & { readonly command: FreeCommandId }) {
   const run = useCommand();
   return (
-    <Large className="mission-once" refusal={refusal} name={name} onClick={() => run(command)}>
-      <Sign size={22} aria-hidden />
+    <BigButton className="mission-once" refusal={refusal} name={name} onClick={() => run(command)}>
+      <Icon size={22} aria-hidden />
       <span>{name}</span>
-    </Large>
+    </BigButton>
   );
 }
 
-interface LargeProps {
+interface BigButtonProps {
   readonly className: string;
   readonly refusal: string | null;
   readonly name: string;
@@ -121,7 +121,7 @@ interface LargeProps {
   readonly children: ReactNode;
 }
 
-function Large({ className, refusal, name, onClick, children }: LargeProps) {
+function BigButton({ className, refusal, name, onClick, children }: BigButtonProps) {
   return (
     <button
       type="button"

@@ -25,13 +25,13 @@ export function inOrder(lanes: readonly Active[]): readonly Active[] {
   });
 }
 
-export const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Sign: LucideIcon }>> =
+export const PHASES: Readonly<Record<Phase, { readonly word: string; readonly Icon: LucideIcon }>> =
   {
-    running: { word: "runs", Sign: CirclePlay },
-    waiting: { word: "waits", Sign: Hourglass },
-    held: { word: "paused", Sign: CirclePause },
-    interrupted: { word: "interrupted by a crash", Sign: OctagonAlert },
-    preempted: { word: "is being preempted", Sign: Undo2 },
+    running: { word: "runs", Icon: CirclePlay },
+    waiting: { word: "waits", Icon: Hourglass },
+    held: { word: "paused", Icon: CirclePause },
+    interrupted: { word: "interrupted by a crash", Icon: OctagonAlert },
+    preempted: { word: "is being preempted", Icon: Undo2 },
   };
 
 /** Text of the phase; `held` returns the text of a paused branch. */

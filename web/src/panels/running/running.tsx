@@ -84,7 +84,7 @@ interface BranchRowProps {
 function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
   const host = useHost();
   const place = placeOfLane(lane);
-  const { Sign } = PHASES[lane.phase];
+  const { Icon } = PHASES[lane.phase];
   const around = namesTo(tab.session.machine, place).slice(1);
   const name = around.pop() ?? lane.name;
   return (
@@ -95,7 +95,7 @@ function Row({ tab, watch, lane, sinceSnapshot_ms, isLive }: BranchRowProps) {
         title={`${[...around, name].join(" › ")}: show it on the canvas`}
         onClick={() => reveal(host, { kind: "state", path: place })}
       >
-        <Sign size={16} aria-hidden className="running-sign" />
+        <Icon size={16} aria-hidden className="running-sign" />
         <span className="running-name">{name}</span>
         {!comesNext(lane) && (
           <span className="running-time">{growing(lane.since_ms + sinceSnapshot_ms)}</span>

@@ -2,7 +2,7 @@
 
 import type { Edit } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { isRefused, type Plan, type Planned } from "../plan.ts";
 

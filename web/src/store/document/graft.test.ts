@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Machine } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { OptimisticDocument } from "./optimistic_document.ts";
 

@@ -3,7 +3,7 @@
 import type { StateDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { lineage } from "../../model/path.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import type { Earlier } from "./states.ts";
 
 export interface StepChange {

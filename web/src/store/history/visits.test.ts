@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { DataPort } from "../../model/ends.ts";
 import type { Event, HistoryEntry } from "../../model/generated/protocol.ts";
 import { portsOf } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { Journal } from "./journal.ts";
 import { originOf } from "./origin.ts";

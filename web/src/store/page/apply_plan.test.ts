@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals-core";
 import { expect, test } from "vitest";
 import type { Edit } from "../../model/generated/protocol.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import type { EditAnswer } from "../document/machine_session.ts";
 import { type AppliedPlan, applyPlan, unshownEdit } from "./apply_plan.ts";

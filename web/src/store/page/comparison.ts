@@ -5,7 +5,7 @@ import { type Difference, differences, marksOf } from "../../model/difference.ts
 import type { Document, MachineDocument } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { perOwner } from "../../model/per_owner.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import type { OpenTab } from "./page.ts";
 import { RefusalError, type Server } from "./server.ts";
 

@@ -94,7 +94,7 @@ test("an error is told by its own words, and its traceback is no other failure",
 });
 
 test("what the script said itself before its error stays", () => {
-  const { watch, tell } = run("said");
+  const { watch, tell } = run("reported");
   tell(log("error", "the arm is blocked"), left("R/A", -1, NO_BOX));
   expect(words(watch)).toEqual([
     "1 log R/A the arm is blocked",

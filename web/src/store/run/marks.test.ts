@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Event, HistoryEntry, Phase } from "../../model/generated/protocol.ts";
 import { isConcurrent } from "../../model/machine.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { Journal } from "../history/journal.ts";
 import { RecentPath } from "../history/recent_path.ts";

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Moment } from "../../model/generated/protocol.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
 import { portValues } from "./port_values.ts";
 

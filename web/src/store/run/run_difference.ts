@@ -5,7 +5,7 @@ import { differences } from "../../model/difference.ts";
 import type { Document } from "../../model/generated/protocol.ts";
 import type { Machine } from "../../model/machine.ts";
 import { perOwner } from "../../model/per_owner.ts";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import type { Runs, Watch } from "../history/run.ts";
 import { LatestRequest } from "../page/latest_request.ts";
 import type { OpenTab } from "../page/page.ts";

@@ -106,7 +106,7 @@ export class FakeRun implements Server {
     for (const subscription of this.#subscriptions) this.#subscribe(subscription);
   }
 
-  /** A frame that was told before comes once more. */
+  /** Sends a frame again. */
   repeat(from: number, count: number): void {
     for (const subscription of this.#of("run_history")) {
       const events = this.events.slice(from - 1, Math.min(from - 1 + count, subscription.next - 1));
@@ -158,7 +158,7 @@ export class FakeRun implements Server {
     if (topic.topic === "run_newest") this.#begin(subscription, topic);
   }
 
-  /** Of too many events only the newest are told. */
+  /** Of too many events only the newest are sent. */
   #begin(
     subscription: Subscription,
     { from, most, newest }: { from: number; most: number; newest: number },

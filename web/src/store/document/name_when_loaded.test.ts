@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { machineOf } from "../../model/plain.ts";
+import { machineOf } from "../../model/plain_machine.ts";
 import { sketch } from "../../model/testing/sketch.ts";
-import { nameSoon } from "./name_soon.ts";
+import { nameWhenLoaded } from "./name_when_loaded.ts";
 
 const OUTER = 'R hierarchy\n  L "Arm" library library=lib/arm';
 const WHOLE = `R hierarchy
@@ -22,11 +22,11 @@ function session(...stages: readonly string[]) {
 
 test("a state in a library has its name once the library is here", async () => {
   const here = session(OUTER, WHOLE);
-  expect(await nameSoon(here, "R/L/G/C")).toBe("Close the gripper");
+  expect(await nameWhenLoaded(here, "R/L/G/C")).toBe("Close the gripper");
   expect(here.asked).toEqual(["R/L"]);
 });
 
 test("a state that no library brings is called by its id", async () => {
-  expect(await nameSoon(session(OUTER), "R/L/G/C")).toBe("C");
-  expect(await nameSoon(session(WHOLE), "R/X")).toBe("X");
+  expect(await nameWhenLoaded(session(OUTER), "R/L/G/C")).toBe("C");
+  expect(await nameWhenLoaded(session(WHOLE), "R/X")).toBe("X");
 });

@@ -5,7 +5,7 @@ import { idOf, lineage } from "../../model/path.ts";
 import type { MachineSession } from "./machine_session.ts";
 
 /** Name of a state, or its id if the machine does not have it after all libraries around it are loaded. */
-export async function nameSoon(
+export async function nameWhenLoaded(
   session: {
     readonly machine: Pick<Machine, "state">;
     readonly loadLibrary: MachineSession["loadLibrary"];

@@ -6,7 +6,7 @@ import { statesAt } from "../hit/hit.ts";
 import type { ToolContext } from "./gesture.ts";
 
 /** Innermost container or library that fills the view; the root if none does. */
-export function stageOf(context: ToolContext): string {
+export function workingContainerOf(context: ToolContext): string {
   return inMiddle(context).findLast((path) => isStage(path, context)) ?? context.machine.root;
 }
 
