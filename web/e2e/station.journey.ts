@@ -88,13 +88,42 @@ journey(
     await palette.getByRole("combobox").pressSequentially("Start a machine of a robot\n");
     const dialog = sheet.getByRole("dialog", { name: "Start a machine of a robot" });
     await dialog.getByText(/^As the robot listed them at .* UTC by its calendar\.$/).waitFor();
-    if (process.env["RAFCON_LOOK"]) await sheet.screenshot({ path: process.env["RAFCON_LOOK"] });
     await dialog.getByRole("searchbox").fill("driv");
     await sheet.keyboard.press("Enter");
     await missionOf(app).locator(".mission-head").getByText("running").waitFor();
     const [run] = await server.ask<readonly RunSummary[]>("GET", "/runs");
     expect([run?.name, run?.robot]).toEqual(["drives", "scout"]);
     await endRun(robot, run?.id ?? "");
+  },
+);
+
+journey(
+  "in a blackout mission time stops with the data and shows its age, and never jumps back",
+  HERE,
+  async ({ app, server, robot }) => {
+    const run = await startRun(robot, "drives");
+    await untilRun(server, run, ({ phase }) => phase === "live");
+    await openMission(app, "drives");
+    const head = missionOf(app).locator(".mission-head");
+    const time = head.locator(".mission-times dd").first();
+    await time.getByText(/^T\+00:00:0[1-9]$/).waitFor();
+    await time.evaluate((element) => {
+      const seen = [element.textContent];
+      new MutationObserver(() => {
+        seen.push(element.textContent);
+        element.dataset["seen"] = seen.join(" ");
+      }).observe(element, { childList: true, characterData: true, subtree: true });
+    });
+    robot.freeze();
+    await head.getByText(/^mission time, \d+ s ago$/).waitFor();
+    robot.thaw();
+    await head.getByText(/^mission time$/).waitFor();
+    const before = await time.textContent();
+    await eventually(async () => (await time.textContent()) !== before);
+    const seen = (await time.getAttribute("data-seen"))?.split(" ") ?? [];
+    expect(seen.length).toBeGreaterThan(1);
+    expect(seen).toEqual([...seen].sort());
+    await endRun(robot, run);
   },
 );
 
