@@ -13,7 +13,7 @@ import { Empty } from "../../ui/empty.tsx";
 import { Select, TextField } from "../../ui/field.tsx";
 import { useSignal } from "../../ui/signals.ts";
 import { Tree } from "../../ui/tree.tsx";
-import { useSession } from "../provided.tsx";
+import { useSession } from "../session_context.tsx";
 import type { NamedDialogProps } from "./dialogs.tsx";
 import { keysAboveTree } from "./tree_below.ts";
 
