@@ -3,7 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use rafcon_link::{
-    Direction, EventBuffer, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession,
+    Direction, EventBlock, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession,
     RunSource, Sealer, SenderStart, StationSession, StreamId, ValueId, ValueName,
 };
 use std::time::Duration;
@@ -11,8 +11,8 @@ use std::time::Duration;
 struct Journal;
 
 impl RunSource for Journal {
-    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBuffer> {
-        Some(EventBuffer { first, count: 1, t_before: first, items: first.to_le_bytes().to_vec() })
+    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBlock> {
+        Some(EventBlock { first_sequence: first, count: 1, time_before: first, bytes: first.to_le_bytes().to_vec() })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {

@@ -10,10 +10,11 @@ use serde_json::Value;
 const TESTKIT: &str = "rafcon-testkit";
 
 /// Each package and the packages of this workspace that it may name, for building and for testing.
-const LAYERS: [(&str, &[&str]); 16] = [
+const LAYERS: [(&str, &[&str]); 17] = [
     ("rafcon-model", &[]),
     // Bytes and numbers only.
-    ("rafcon-link", &[]),
+    ("rafcon-events", &[]),
+    ("rafcon-link", &["rafcon-events"]),
     // For tests, benches and examples of all others ([`TESTKIT`]).
     (
         TESTKIT,
@@ -22,7 +23,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
     // Knows nothing but locks.
     ("rafcon-locks", &[]),
     // The journal keeps the events of the protocol, so storage speaks it.
-    ("rafcon-storage", &["rafcon-protocol", "rafcon-model"]),
+    ("rafcon-storage", &["rafcon-events", "rafcon-protocol", "rafcon-model"]),
     ("rafcon-engine", &["rafcon-model"]),
     ("rafcon-protocol", &["rafcon-model"]),
     (

@@ -1,14 +1,15 @@
 //! Behaviour towards a faulty or hostile peer that has the key.
 
 use crate::endpoint::Identity;
-use crate::frame::{Events, StreamId, ValueId, ValueName};
+use crate::frame::{StreamId, ValueId, ValueName};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource};
+use crate::robot::{NewestValue, RobotSession, RunSource};
 use crate::seal::{Direction, For, KeyId, OVERHEAD, Opener, PairingKey, Sealer, SenderStart};
 use crate::station::{GAPS_MAX, NewCommand, OPEN_MAX, PARTS_MAX, StationSession};
 use proptest::prelude::*;
 use proptest::sample::Index;
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::sync::LazyLock;
 use std::time::Duration;
 
@@ -27,10 +28,13 @@ fn item(number: u64) -> Vec<u8> {
 }
 
 impl RunSource for Numbers {
-    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
-        let mut buffer = EventBuffer { first, count: 1, t_before: first, items: item(first) };
-        while buffer.last() < last && buffer.items.len() + item(buffer.last() + 1).len() <= max {
-            buffer.items.extend(item(buffer.last() + 1));
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBlock> {
+        let mut buffer =
+            EventBlock { first_sequence: first, count: 1, time_before: first, bytes: item(first) };
+        while buffer.last_sequence() < last
+            && buffer.bytes.len() + item(buffer.last_sequence() + 1).len() <= max
+        {
+            buffer.bytes.extend(item(buffer.last_sequence() + 1));
             buffer.count += 1;
         }
         Some(buffer)
@@ -87,7 +91,15 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
         let now = Duration::from_millis(10 * step);
         if step % 10 == 0 {
             let (first, items) = (step / 10 + 1, item(step / 10 + 1));
-            robot.append(&Events { stream: RUN, first, count: 1, t_before: first, items: &items });
+            robot.append(
+                RUN,
+                EventBlockRef {
+                    first_sequence: first,
+                    count: 1,
+                    time_before: first,
+                    bytes: &items,
+                },
+            );
         }
         if step == 100 {
             watch(&mut station);
@@ -209,8 +221,8 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
         let sequence = u64::from(next);
         Frame::Snapshot { stream, sequence, length, offset: 0, bytes }.write(payload);
         let first = u64::from(next) + 1;
-        Frame::Events(Events { stream: RUN, first, count: 1, t_before: 0, items: b"" })
-            .write(payload);
+        let block = EventBlockRef { first_sequence: first, count: 1, time_before: 0, bytes: b"" };
+        Frame::Events { stream: RUN, block }.write(payload);
     });
     let (streams, gaps, parts) = station.kept();
     assert!(streams <= OPEN_MAX, "{streams} runs");

@@ -32,15 +32,15 @@ pub use bytes::{BrokenFrame, FrameReader, write_number};
 pub use deflate::{deflate, inflate};
 pub use endpoint::{Identity, Unusable};
 pub use frame::{
-    BriefId, COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, NoValue, StreamId,
-    ValueId, ValueName,
+    BriefId, COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, NoValue, StreamId, ValueId,
+    ValueName,
 };
 pub use heard::ClockBounds;
 pub use profile::{CARRIER_OVERHEAD, Compression, Profile};
+pub use rafcon_events::{EventBlock, EventBlockRef};
 pub use range_set::RangeSet;
 pub use robot::{
-    EventBuffer, NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX,
-    WatchSubscription,
+    NewestValue, Rank, ReceivedCommand, RobotSession, RunSource, VALUE_BYTES_MAX, WatchSubscription,
 };
 pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,

@@ -1,12 +1,13 @@
 //! Thousands of short runs of one robot, more than are open at a time, over a path that loses datagrams, while both sides start again.
 
 use crate::endpoint::Identity;
-use crate::frame::{Events, Frame, StreamId};
+use crate::frame::{Frame, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, RobotSession, RunSource};
+use crate::robot::{RobotSession, RunSource};
 use crate::seal::{Direction, For, KeyId, PairingKey, Sealer, SenderStart};
 use crate::station::{FromRobot, OPEN_MAX, StationSession};
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
 
@@ -19,9 +20,14 @@ const KEPT: usize = 30;
 struct Journal;
 
 impl RunSource for Journal {
-    fn events(&mut self, _: StreamId, first: u64, last: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, _: usize) -> Option<EventBlock> {
         let count = last - first + 1;
-        Some(EventBuffer { first, count, t_before: 0, items: (0..count).map(|_| 7).collect() })
+        Some(EventBlock {
+            first_sequence: first,
+            count,
+            time_before: 0,
+            bytes: (0..count).map(|_| 7).collect(),
+        })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -75,7 +81,10 @@ impl ShortRunWorld {
         self.begin(run, 0);
         for first in 1..=EVENTS {
             let stream = events_of(run);
-            self.robot.append(&Events { stream, first, count: 1, t_before: 0, items: &[7] });
+            self.robot.append(
+                stream,
+                EventBlockRef { first_sequence: first, count: 1, time_before: 0, bytes: &[7] },
+            );
         }
         self.robot.set_state(events_of(run), b"f", true);
         self.kept.push_back(run);
@@ -150,9 +159,9 @@ impl ShortRunWorld {
         let (disk, over) = (&mut self.disk, &mut self.over);
         let mut changed = BTreeSet::new();
         let show = |shown: FromRobot<'_>| match shown {
-            FromRobot::Events(events) => {
-                disk.entry(events.stream).or_default().insert(events.first..=events.last());
-                changed.insert(events.stream);
+            FromRobot::Events { stream, block } => {
+                disk.entry(stream).or_default().insert(block.sequences());
+                changed.insert(stream);
             }
             FromRobot::Status { stream, is_over: true, .. } => {
                 over.insert(stream);
@@ -211,7 +220,10 @@ fn a_settled_stream_goes_on_and_is_reported_when_the_robot_asks() {
     world.begin(1, EVENTS);
     world.robot.set_state(events_of(1), b"l", false);
     let (stream, items) = (events_of(1), &[7][..]);
-    world.robot.append(&Events { stream, first: EVENTS + 1, count: 1, t_before: 0, items });
+    world.robot.append(
+        stream,
+        EventBlockRef { first_sequence: EVENTS + 1, count: 1, time_before: 0, bytes: items },
+    );
     world.go_on(100);
     let received = world.station.received(events_of(1)).expect("a run").contiguous();
     assert_eq!(received, EVENTS + 1);

@@ -1,6 +1,6 @@
 //! Sent and received bytes of a side, by type of frame.
 
-use crate::frame::{Events, Frame};
+use crate::frame::Frame;
 use crate::profile::CARRIER_OVERHEAD;
 use std::collections::BTreeMap;
 
@@ -32,14 +32,14 @@ impl Frame<'_> {
     /// Its kind, as people call it.
     fn kind(&self) -> &'static str {
         match self {
-            Self::Events(Events { stream, .. })
-            | Self::Coded { events: Events { stream, .. }, .. }
+            Self::Events { stream, .. }
+            | Self::Coded { stream, .. }
             | Self::Large { stream, .. }
                 if stream.is_files() =>
             {
                 "machines"
             }
-            Self::Events(_) | Self::Coded { .. } | Self::Large { .. } => "events",
+            Self::Events { .. } | Self::Coded { .. } | Self::Large { .. } => "events",
             Self::Status { .. } => "status",
             Self::Snapshot { .. } | Self::CodedSnapshot { .. } => "snapshots",
             Self::CommandState { .. } | Self::PartsHere(_) => "states of commands",

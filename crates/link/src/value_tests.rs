@@ -1,13 +1,14 @@
 //! Requests for values over a bad link in virtual time: large values and values that are watched, beside events that never wait for them.
 
-use crate::frame::{Events, NoValue, StreamId, ValueId, ValueName};
+use crate::frame::{NoValue, StreamId, ValueId, ValueName};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, NewestValue, RobotSession, RunSource, WatchSubscription};
+use crate::robot::{NewestValue, RobotSession, RunSource, WatchSubscription};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use crate::{Direction, Identity};
 use expect_test::expect;
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
@@ -70,11 +71,16 @@ impl RunSource for Disk {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Option<EventBuffer> {
+    ) -> Option<EventBlock> {
         let most = (bytes_max / EVENT_BYTES).max(1) as u64;
         let count = (last.min(self.head) + 1).saturating_sub(first).min(most);
         let items = (first..first + count).flat_map(event).collect();
-        (count > 0).then_some(EventBuffer { first, count, t_before: 0, items })
+        (count > 0).then_some(EventBlock {
+            first_sequence: first,
+            count,
+            time_before: 0,
+            bytes: items,
+        })
     }
 
     fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -142,7 +148,10 @@ impl World {
         self.disk.head += 1;
         let first = self.disk.head;
         let items = event(first);
-        self.robot.append(&Events { stream: STREAM, first, count: 1, t_before: 0, items: &items });
+        self.robot.append(
+            STREAM,
+            EventBlockRef { first_sequence: first, count: 1, time_before: 0, bytes: &items },
+        );
     }
 
     /// Counts a datagram; answers whether it is lost.
@@ -180,8 +189,8 @@ impl World {
                     let text = |value: Vec<u8>| String::from_utf8(value).expect("text");
                     here.watched.extend(values.into_iter().map(|value| (number, text(value))));
                 }
-                FromRobot::Events(events) => {
-                    for event in events.first..=events.last() {
+                FromRobot::Events { block, .. } => {
+                    for event in block.sequences() {
                         here.events.entry(event).or_insert(now);
                     }
                 }

@@ -1,8 +1,8 @@
 //! Random events over random links: every event arrives with its bytes, once, and neither side spins.
 
 use rafcon_link::{
-    EventBuffer, Events, FromRobot, Horizon, Identity, KeyId, PairingKey, Profile, RangeSet, Rank,
-    RobotSession, RunSource, SenderStart, StationSession, StreamId, Unusable,
+    EventBlock, EventBlockRef, FromRobot, Horizon, Identity, KeyId, PairingKey, Profile, RangeSet,
+    Rank, RobotSession, RunSource, SenderStart, StationSession, StreamId, Unusable,
 };
 use rafcon_testkit::link_world::{Carrier, Conditions, Cut};
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,7 +86,7 @@ impl RunSource for Journal {
         first: u64,
         last: u64,
         max: usize,
-    ) -> Option<EventBuffer> {
+    ) -> Option<EventBlock> {
         self.random = self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         if self.random >> 33 < (self.fails << 31) / 100 {
             return None;
@@ -101,7 +101,12 @@ impl RunSource for Journal {
             items.extend_from_slice(&next);
             count += 1;
         }
-        Some(EventBuffer { first, count, t_before: first * 1_000_000, items })
+        Some(EventBlock {
+            first_sequence: first,
+            count,
+            time_before: first * 1_000_000,
+            bytes: items,
+        })
     }
 
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -336,10 +341,10 @@ impl World {
             if self.random.percent(5) {
                 self.robot.advance(stream.id, head + count);
             } else {
-                let t_before = (head + 1) * 1_000_000;
+                let time_before = (head + 1) * 1_000_000;
                 let events =
-                    Events { stream: stream.id, first: head + 1, count, t_before, items: &bytes };
-                self.robot.append(&events);
+                    EventBlockRef { first_sequence: head + 1, count, time_before, bytes: &bytes };
+                self.robot.append(stream.id, events);
             }
             if self.random.percent(20) {
                 self.robot.set_snapshot_changed(stream.id);
@@ -436,13 +441,13 @@ impl World {
         let (here, journal) = (&mut self.here, &self.journal);
         let mut touched = BTreeSet::new();
         let got = self.station.receive(now, datagram, |shown| {
-            let FromRobot::Events(events) = shown else { return };
-            let Events { stream, first, count, t_before, items } = events;
-            let range = first..=events.last();
+            let FromRobot::Events { stream, block } = shown else { return };
+            let EventBlockRef { first_sequence: first, count, time_before, bytes: items } = block;
+            let range = block.sequences();
             let here = here.entry(stream).or_default();
             assert!(!here.contains(&range), "{stream:?}: {range:?} is new twice");
             assert!(items == journal.bytes(stream, first, count), "{stream:?}: bytes of {range:?}");
-            assert_eq!(t_before, first * 1_000_000, "{stream:?}: time before {range:?}");
+            assert_eq!(time_before, first * 1_000_000, "{stream:?}: time before {range:?}");
             here.insert(range);
             touched.insert(stream);
         });

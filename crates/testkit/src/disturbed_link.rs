@@ -2,7 +2,7 @@
 //! guarantees of commands: none is executed late, twice or with other bytes, and the station reports the robot's own fates.
 
 use rafcon_link::{
-    CommandId, CommandState, EventBuffer, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
+    CommandId, CommandState, EventBlock, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
     PairingKey, Profile, ReceivedCommand, RobotSession, RunSource, SenderStart, StationSession,
     StreamId,
 };
@@ -24,7 +24,7 @@ pub fn links() -> impl Iterator<Item = (Profile, Duration)> {
 struct NoRuns;
 
 impl RunSource for NoRuns {
-    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 

@@ -5,7 +5,7 @@ use crate::proxy::Carries;
 use crate::{LAST, Trial};
 use anyhow::Result;
 use rafcon_link::{
-    EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource,
+    EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource,
     SenderStart, StationSession, StreamId,
 };
 use std::net::{SocketAddr, UdpSocket};
@@ -51,7 +51,7 @@ impl RunSource for Journal {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Option<EventBuffer> {
+    ) -> Option<EventBlock> {
         let events = &self.trial.events;
         let from = usize::try_from(first).ok()?.checked_sub(1)?;
         let last = usize::try_from(last).ok()?.min(self.head);
@@ -63,7 +63,7 @@ impl RunSource for Journal {
             items.extend_from_slice(&event.items);
             count += 1;
         }
-        (count > 0).then(|| EventBuffer { first, count, t_before: events.before(from), items })
+        (count > 0).then(|| EventBlock { first_sequence: first, count, time_before: events.before(from), bytes: items })
     }
 
     fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -82,16 +82,10 @@ fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
     loop {
         let now = clock.elapsed();
         while let Some(event) = events.list.get(journal.head).filter(|it| it.time + lead <= now) {
-            let t_before = events.before(journal.head);
+            let time_before = events.before(journal.head);
             journal.head += 1;
             let first = journal.head as u64;
-            session.append(&Events {
-                stream: STREAM,
-                first,
-                count: 1,
-                t_before,
-                items: &event.items,
-            });
+            session.append(STREAM, EventBlockRef { first_sequence: first, count: 1, time_before, bytes: &event.items });
         }
         session.set_state(STREAM, b"running", now > lead + LAST);
         while let Ok(Some(datagram)) = session.transmit(now, &mut journal) {
@@ -122,8 +116,8 @@ fn station_side(socket: &UdpSocket, recorder: &Recorder) {
             robot = Some(from);
             let now = clock.elapsed();
             let used = session.receive(now, &mut datagram, |shown| {
-                if let FromRobot::Events(events) = shown {
-                    note(recorder, events.first..=events.last());
+                if let FromRobot::Events { block, .. } = shown {
+                    note(recorder, block.sequences());
                 }
             });
             used.unwrap_or_default();

@@ -2,8 +2,7 @@
 
 use super::Coder;
 use super::offers::Offers;
-use crate::frame::Events;
-use crate::robot::EventBuffer;
+use rafcon_events::{EventBlock, EventBlockRef};
 use ring::digest::{SHA256, digest};
 use std::collections::BTreeMap;
 
@@ -68,7 +67,7 @@ impl LastCoder {
 #[derive(Debug, Default)]
 pub(crate) struct Contexts {
     /// Groups of events by their last event. The longest group of each is kept.
-    recent: BTreeMap<u64, EventBuffer>,
+    recent: BTreeMap<u64, EventBlock>,
     bytes: usize,
     /// Bytes received since the last context.
     fresh: usize,
@@ -77,21 +76,20 @@ pub(crate) struct Contexts {
 
 impl Contexts {
     /// Events that were received, new or again.
-    pub(crate) fn note(&mut self, events: &Events<'_>) {
-        let Events { first, count, t_before, items, .. } = *events;
-        let is_shorter = |known: &EventBuffer| known.first <= first;
-        if items.len() > CONTEXT_MAX || self.recent.get(&events.last()).is_some_and(is_shorter) {
+    pub(crate) fn note(&mut self, block: EventBlockRef<'_>) {
+        let (last, length) = (block.last_sequence(), block.bytes.len());
+        let is_shorter = |known: &EventBlock| known.first_sequence <= block.first_sequence;
+        if length > CONTEXT_MAX || self.recent.get(&last).is_some_and(is_shorter) {
             return;
         }
-        let buffer = EventBuffer { first, count, t_before, items: items.to_vec() };
-        (self.bytes, self.fresh) = (self.bytes + items.len(), self.fresh + items.len());
-        if let Some(shorter) = self.recent.insert(events.last(), buffer) {
-            self.bytes -= shorter.items.len();
+        (self.bytes, self.fresh) = (self.bytes + length, self.fresh + length);
+        if let Some(shorter) = self.recent.insert(last, block.to_block()) {
+            self.bytes -= shorter.bytes.len();
         }
         while self.bytes > RECENT_MAX
             && let Some((_, oldest)) = self.recent.pop_first()
         {
-            self.bytes -= oldest.items.len();
+            self.bytes -= oldest.bytes.len();
         }
     }
 
@@ -120,9 +118,10 @@ impl Contexts {
         }
         let mut groups = Vec::new();
         let mut next = last;
-        while let Some(events) = self.recent.get(&next).filter(|events| events.first >= first) {
-            groups.push(events.items.as_slice());
-            next = events.first - 1;
+        while let Some(block) = self.recent.get(&next).filter(|block| block.first_sequence >= first)
+        {
+            groups.push(block.bytes.as_slice());
+            next = block.first_sequence - 1;
         }
         groups.reverse();
         let items = groups.concat();
@@ -132,10 +131,10 @@ impl Contexts {
     /// From which event on all are at hand up to `last`, and the length of their items.
     fn chain(&self, last: u64) -> (u64, usize) {
         let (mut first, mut length) = (last + 1, 0);
-        while let Some(events) = self.recent.get(&(first - 1))
-            && length + events.items.len() <= CONTEXT_MAX
+        while let Some(block) = self.recent.get(&(first - 1))
+            && length + block.bytes.len() <= CONTEXT_MAX
         {
-            (first, length) = (events.first, length + events.items.len());
+            (first, length) = (block.first_sequence, length + block.bytes.len());
         }
         (first, length)
     }
@@ -144,13 +143,17 @@ impl Contexts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::StreamId;
 
     fn noted(lengths: &[usize]) -> Contexts {
         let mut contexts = Contexts::default();
         for (first, length) in (1..).zip(lengths) {
-            let (stream, items) = (StreamId(1), vec![7; *length]);
-            contexts.note(&Events { stream, first, count: 1, t_before: 0, items: &items });
+            let items = vec![7; *length];
+            contexts.note(EventBlockRef {
+                first_sequence: first,
+                count: 1,
+                time_before: 0,
+                bytes: &items,
+            });
         }
         contexts
     }

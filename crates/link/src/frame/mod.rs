@@ -15,6 +15,7 @@ use crate::bytes::{BrokenFrame, FrameReader, number_length, write_bytes, write_n
 use crate::coding::ContextId;
 use crate::range_set::RangeSet;
 use crate::seal::{Generation, KeyId, PairingKey};
+use rafcon_events::EventBlockRef;
 
 /// Number of a robot's run, fixed as long as the robot keeps the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,34 +33,11 @@ impl StreamId {
     }
 }
 
-/// Consecutive events of a run, as its journal encodes them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Events<'b> {
-    /// The run.
-    pub stream: StreamId,
-    /// The number of the first event.
-    pub first: u64,
-    /// Number of events in the frame.
-    pub count: u64,
-    /// The time of the event before them, in ns since the start of the run.
-    pub t_before: u64,
-    /// The items.
-    pub items: &'b [u8],
-}
-
-impl Events<'_> {
-    /// The number of the last event.
-    pub fn last(&self) -> u64 {
-        self.first + self.count - 1
-    }
-
-    /// The longest items that fit into a frame of `room` bytes.
-    pub(crate) fn items_max(room: usize, first: u64, t_before: u64) -> usize {
-        let most = [u64::from(u32::MAX), first, 9_999, t_before, 9_999, 9_999];
-        room.saturating_sub(
-            1 + size_of::<ContextId>() + most.into_iter().map(number_length).sum::<usize>(),
-        )
-    }
+/// The longest bytes of a block that fit into a frame of `room` bytes.
+pub(crate) fn block_bytes_max(room: usize, first_sequence: u64, time_before: u64) -> usize {
+    let most = [u64::from(u32::MAX), first_sequence, 9_999, time_before, 9_999, 9_999];
+    let numbers: usize = most.into_iter().map(number_length).sum();
+    room.saturating_sub(1 + size_of::<ContextId>() + numbers)
 }
 
 /// The hash of all events of a run up to one of them.
@@ -110,15 +88,22 @@ pub(crate) enum Packing {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Frame<'b> {
     /// Events, new or again.
-    Events(Events<'b>),
+    Events {
+        /// The run.
+        stream: StreamId,
+        /// The events.
+        block: EventBlockRef<'b>,
+    },
     /// Events whose items are coded.
     Coded {
         /// Context that decodes them.
         context: ContextId,
         /// Length of the items in bytes.
         length: u32,
-        /// The events, with the coded items in the place of theirs.
-        events: Events<'b>,
+        /// The run.
+        stream: StreamId,
+        /// The events, with coded bytes.
+        block: EventBlockRef<'b>,
     },
     /// Progress of a run.
     Status {
@@ -166,7 +151,7 @@ pub(crate) enum Frame<'b> {
         /// The number of the event.
         first: u64,
         /// The time of the event before it, in ns.
-        t_before: u64,
+        time_before: u64,
         /// Packing of the items.
         packing: Packing,
         /// The length of all its packed items, in bytes.
@@ -253,14 +238,14 @@ impl<'b> Frame<'b> {
             }
         };
         match self {
-            Self::Events(Events { stream, first, count, t_before, items }) => {
-                numbers(EVENTS, &[u64::from(stream.0), *first, *count, *t_before]);
-                write_bytes(items, out);
+            Self::Events { stream, block } => {
+                numbers(EVENTS, &block_numbers(*stream, block));
+                write_bytes(block.bytes, out);
             }
-            Self::Coded { context, length, events } => {
-                let Events { stream, first, count, t_before, items } = events;
-                let of = [u64::from(stream.0), *first, *count, *t_before, u64::from(*length)];
-                write_coded(CODED, *context, &of, items, out);
+            Self::Coded { context, length, stream, block } => {
+                let [run, first, count, time] = block_numbers(*stream, block);
+                let of = [run, first, count, time, u64::from(*length)];
+                write_coded(CODED, *context, &of, block.bytes, out);
             }
             Self::Status { stream, head, is_over, state, chain } => {
                 numbers(STATUS, &[u64::from(stream.0), *head, u64::from(*is_over)]);
@@ -279,9 +264,9 @@ impl<'b> Frame<'b> {
                 let of = [u64::from(stream.0), *sequence, u64::from(*length)];
                 write_coded(CODED_SNAPSHOT, *context, &of, bytes, out);
             }
-            Self::Large { stream, first, t_before, packing, length, offset, bytes } => {
+            Self::Large { stream, first, time_before, packing, length, offset, bytes } => {
                 let place = [*length, *offset].map(u64::from);
-                numbers(LARGE, &[u64::from(stream.0), *first, *t_before, place[0], place[1]]);
+                numbers(LARGE, &[u64::from(stream.0), *first, *time_before, place[0], place[1]]);
                 packing.write(out);
                 write_bytes(bytes, out);
             }
@@ -311,7 +296,11 @@ impl<'b> Frame<'b> {
     /// Reads the next frame.
     fn read(reader: &mut FrameReader<'b>) -> Result<Self, BrokenFrame> {
         Ok(match reader.byte()? {
-            EVENTS => Self::Events(read_events(reader)?),
+            EVENTS => {
+                let (stream, block) = read_block_head(reader)?;
+                let block = EventBlockRef { bytes: reader.bytes()?, ..block };
+                Self::Events { stream, block }
+            }
             CODED => read_coded(reader)?,
             STATUS => {
                 let (stream, head) = (StreamId(reader.small()?), reader.number()?);
@@ -337,11 +326,11 @@ impl<'b> Frame<'b> {
             LARGE => {
                 let (stream, first) = (StreamId(reader.small()?), reader.number()?);
                 check_numbers(first, 1)?;
-                let t_before = reader.number()?;
+                let time_before = reader.number()?;
                 let (length, offset) = (reader.small()?, reader.small()?);
                 let packing = Packing::read(reader)?;
                 let bytes = read_part_bytes(reader, length, offset)?;
-                Self::Large { stream, first, t_before, packing, length, offset, bytes }
+                Self::Large { stream, first, time_before, packing, length, offset, bytes }
             }
             COMMAND_STATE => {
                 let id = CommandId(reader.fixed()?);
@@ -391,16 +380,12 @@ fn read_flag(reader: &mut FrameReader<'_>) -> Result<bool, BrokenFrame> {
     }
 }
 
-fn read_events<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
-    let events = read_numbers(reader)?;
-    Ok(Events { items: reader.bytes()?, ..events })
-}
-
 fn read_coded<'b>(reader: &mut FrameReader<'b>) -> Result<Frame<'b>, BrokenFrame> {
     let context = ContextId(reader.fixed()?);
-    let events = read_numbers(reader)?;
+    let (stream, block) = read_block_head(reader)?;
     let length = reader.small()?;
-    Ok(Frame::Coded { context, length, events: Events { items: reader.bytes()?, ..events } })
+    let block = EventBlockRef { bytes: reader.bytes()?, ..block };
+    Ok(Frame::Coded { context, length, stream, block })
 }
 
 /// Events have numbers from 1.
@@ -409,12 +394,20 @@ fn check_numbers(first: u64, count: u64) -> Result<(), BrokenFrame> {
     is_possible.then_some(()).ok_or(BrokenFrame("impossible numbers of events"))
 }
 
-/// Events without their items.
-fn read_numbers<'b>(reader: &mut FrameReader<'b>) -> Result<Events<'b>, BrokenFrame> {
+/// The numbers before the bytes of a block.
+fn block_numbers(stream: StreamId, block: &EventBlockRef<'_>) -> [u64; 4] {
+    [u64::from(stream.0), block.first_sequence, block.count, block.time_before]
+}
+
+/// A block without its bytes.
+fn read_block_head<'b>(
+    reader: &mut FrameReader<'b>,
+) -> Result<(StreamId, EventBlockRef<'b>), BrokenFrame> {
     let stream = StreamId(reader.small()?);
-    let (first, count) = (reader.number()?, reader.number()?);
-    check_numbers(first, count)?;
-    Ok(Events { stream, first, count, t_before: reader.number()?, items: &[] })
+    let (first_sequence, count) = (reader.number()?, reader.number()?);
+    check_numbers(first_sequence, count)?;
+    let time_before = reader.number()?;
+    Ok((stream, EventBlockRef { first_sequence, count, time_before, bytes: &[] }))
 }
 
 /// Length of the whole, offset and bytes of a part.

@@ -2,8 +2,8 @@
 
 use super::write_received;
 use super::{
-    Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandPart, CommandState, EventHash, Events,
-    Frame, Packing, PartialEvent, PartsHere, RANGES_MAX, Received, StreamId, Terms,
+    Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandPart, CommandState, EventHash, Frame,
+    Packing, PartialEvent, PartsHere, RANGES_MAX, Received, StreamId, Terms,
 };
 use super::{Fetch, NoValue, ValueFrame, ValueId, ValueName, ValuePart, WatchPart, Watched};
 use crate::bytes::{BrokenFrame, write_number};
@@ -14,6 +14,7 @@ use expect_test::expect;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+use rafcon_events::EventBlockRef;
 
 /// The time and the frames of a payload.
 fn read_payload(
@@ -81,14 +82,16 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
     let part = (stream.clone(), 1..u64::MAX, any::<u64>(), 0..1_000_u32);
     let events = prop_oneof![
         (stream.clone(), 1..u64::from(u32::MAX), 1..1_000_u64, any::<u64>()).prop_map(
-            move |(stream, first, count, t_before)| {
-                Frame::Events(Events { stream, first, count, t_before, items: bytes })
+            move |(stream, first, count, time_before)| {
+                let block = EventBlockRef { first_sequence: first, count, time_before, bytes };
+                Frame::Events { stream, block }
             }
         ),
         (stream.clone(), 1..1_000_u64, any::<u32>(), any::<[u8; 3]>()).prop_map(
             move |(stream, first, length, context)| {
-                let events = Events { stream, first, count: 3, t_before: first, items: bytes };
-                Frame::Coded { context: ContextId(context), length, events }
+                let block =
+                    EventBlockRef { first_sequence: first, count: 3, time_before: first, bytes };
+                Frame::Coded { context: ContextId(context), length, stream, block }
             }
         ),
     ];
@@ -104,14 +107,14 @@ fn frame(bytes: &[u8]) -> impl Strategy<Value = Frame<'_>> {
         part.clone().prop_map(move |(stream, sequence, _, offset)| {
             Frame::Snapshot { stream, sequence, length: offset + length, offset, bytes }
         }),
-        part.prop_map(move |(stream, first, t_before, offset)| {
+        part.prop_map(move |(stream, first, time_before, offset)| {
             let packing = match first % 3 {
                 0 => Packing::Plain,
                 1 => Packing::Deflated,
                 _ => Packing::Coded { context: ContextId([7; 3]), length },
             };
             let length = offset + length;
-            Frame::Large { stream, first, t_before, packing, length, offset, bytes }
+            Frame::Large { stream, first, time_before, packing, length, offset, bytes }
         }),
         any::<(u8, [u8; 32])>().prop_map(|(id, key)| Frame::NewKey {
             id: KeyId(id),

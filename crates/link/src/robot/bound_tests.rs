@@ -3,17 +3,18 @@
 use super::outgoing::next_part;
 use super::scheduled_commands::{SCHEDULED_MAX, TOO_MANY};
 use super::tail::Tail;
-use super::{COMMANDS_MAX, EventBuffer, RobotSession, RunSource, SUBSCRIPTIONS_MAX, URGENT_MAX};
+use super::{COMMANDS_MAX, RobotSession, RunSource, SUBSCRIPTIONS_MAX, URGENT_MAX};
 use crate::bytes::write_number;
 use crate::coding::ContextId;
 use crate::endpoint::Identity;
 use crate::frame::{
-    CommandId, CommandState, Events, Frame, Packing, StreamId, Terms, ValueFrame, ValueId,
-    ValuePart, WatchPart,
+    CommandId, CommandState, Frame, Packing, StreamId, Terms, ValueFrame, ValueId, ValuePart,
+    WatchPart, block_bytes_max,
 };
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, OVERHEAD, PairingKey, SenderStart};
 use crate::station::StationSession;
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::time::Duration;
 
 const RUN: StreamId = StreamId(1);
@@ -124,7 +125,12 @@ fn the_newest_events_are_at_hand_up_to_so_many_bytes() {
     let mut tail = Tail::new(RUN);
     let mut append = |first, bytes: usize| {
         let items = vec![7; bytes];
-        tail.append(&Events { stream: RUN, first, count: 1, t_before: 0, items: &items });
+        tail.append(EventBlockRef {
+            first_sequence: first,
+            count: 1,
+            time_before: 0,
+            bytes: &items,
+        });
         tail.first_unsent()
     };
     assert_eq!(append(1, 4_000), Some(1));
@@ -139,8 +145,8 @@ fn the_newest_events_are_at_hand_up_to_so_many_bytes() {
 struct LongEvents(usize);
 
 impl RunSource for LongEvents {
-    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBuffer> {
-        Some(EventBuffer { first, count: 1, t_before: 0, items: vec![7; self.0] })
+    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBlock> {
+        Some(EventBlock { first_sequence: first, count: 1, time_before: 0, bytes: vec![7; self.0] })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -153,7 +159,7 @@ fn events_of_any_length_arrive_whether_they_are_at_hand_or_in_the_journal() {
     let key = PairingKey::from_bytes([7; 32]);
     let profile = Profile { compression: Compression::Nothing, ..Profile::LAN };
     let room = profile.down_bytes_max - OVERHEAD - URGENT_MAX;
-    let most = Events::items_max(room, 1, 0);
+    let most = block_bytes_max(room, 1, 0);
     // The second sum is more than is kept at hand.
     for (length, count, is_at_hand) in
         [(most, 1, true), (most + 1, 1, false), (most + URGENT_MAX, 1, false), (400, 30, false)]
@@ -163,7 +169,10 @@ fn events_of_any_length_arrive_whether_they_are_at_hand_or_in_the_journal() {
         robot.begin(RUN, 0);
         for first in 1..=count {
             let items = vec![7; length];
-            robot.append(&Events { stream: RUN, first, count: 1, t_before: 0, items: &items });
+            robot.append(
+                RUN,
+                EventBlockRef { first_sequence: first, count: 1, time_before: 0, bytes: &items },
+            );
         }
         assert_eq!(robot.streams[&RUN].tail_holds(1), is_at_hand, "{length} bytes");
         let mut now = Duration::ZERO;
@@ -193,7 +202,7 @@ fn parts_fill_a_datagram_and_never_more() {
         Frame::Large {
             stream,
             first: large,
-            t_before: large,
+            time_before: large,
             packing,
             length,
             offset,

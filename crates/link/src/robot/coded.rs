@@ -3,8 +3,9 @@
 use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::coding::{CONTEXT_MAX, ContextId, ContextName, LastCoder, PLAIN_MAX};
-use crate::frame::{Events, Frame, Packing, StreamId};
+use crate::frame::{Frame, Packing, StreamId};
 use crate::profile::Compression;
+use rafcon_events::EventBlockRef;
 
 /// Assumed compression ratio before the first measurement, in 16ths.
 const FIRST_RATIO: usize = 24;
@@ -46,11 +47,11 @@ impl Coding {
         if name.last > head || self.seen.replace(name) == Some(name) {
             return;
         }
-        let events = source.events(stream, name.first, name.last, CONTEXT_MAX);
-        if let Some(events) = events.filter(|events| events.last() == name.last)
-            && ContextName::of(name.first, name.last, &events.items) == name
+        let block = source.events(stream, name.first, name.last, CONTEXT_MAX);
+        if let Some(block) = block.filter(|block| block.last_sequence() == name.last)
+            && ContextName::of(name.first, name.last, &block.bytes) == name
         {
-            self.used = Some((name, events.items));
+            self.used = Some((name, block.bytes));
         }
     }
 
@@ -64,8 +65,8 @@ impl Coding {
         turn.is_heard && turn.profile.codes_new() && self.used.is_some()
     }
 
-    /// Estimates the bytes of items that fit into this many coded bytes.
-    pub(super) fn items_max(&self, coded_max: usize) -> usize {
+    /// Estimates the bytes of events that fit into this many coded bytes.
+    pub(super) fn bytes_max(&self, coded_max: usize) -> usize {
         (coded_max * self.ratio / 16).clamp(coded_max, PLAIN_MAX)
     }
 
@@ -91,31 +92,33 @@ impl Coding {
     /// Writes the frame of events that fit uncompressed. Returns whether they are compressed.
     pub(super) fn write_uncut(
         &mut self,
-        events: &Events<'_>,
+        stream: StreamId,
+        block: EventBlockRef<'_>,
         turn: TransmitContext<'_>,
         payload: &mut Vec<u8>,
     ) -> bool {
-        let written = self.is_used(turn).then(|| self.write(events, usize::MAX, payload));
+        let written = self.is_used(turn).then(|| self.write(stream, block, usize::MAX, payload));
         if let Some(Ok(is_coded)) = written {
             return is_coded;
         }
-        Frame::Events(*events).write(payload);
+        Frame::Events { stream, block }.write(payload);
         false
     }
 
-    /// Writes the frame of these events if its items have at most `coded_max` bytes, and returns whether they are compressed.
+    /// Writes the frame of these events if its bytes have at most `coded_max` bytes, and returns whether they are compressed.
     /// Otherwise returns the number of bytes.
     pub(super) fn write(
         &mut self,
-        events: &Events<'_>,
+        stream: StreamId,
+        block: EventBlockRef<'_>,
         coded_max: usize,
         payload: &mut Vec<u8>,
     ) -> Result<bool, usize> {
-        let plain = events.items.len();
+        let plain = block.bytes.len();
         let Some((name, items)) = self.used.as_ref().filter(|_| plain <= PLAIN_MAX) else {
             return Err(plain);
         };
-        let coded = self.coder.with(name.id(), items).encode(events.items);
+        let coded = self.coder.with(name.id(), items).encode(block.bytes);
         self.ratio = (self.ratio * 3 + plain * 16 / coded.len().max(1)) / 4;
         if coded.len().min(plain) > coded_max {
             return Err(coded.len().min(plain));
@@ -123,10 +126,10 @@ impl Coding {
         let is_coded = coded.len() < plain;
         if is_coded {
             let length = u32::try_from(plain).unwrap_or(u32::MAX);
-            let events = Events { items: &coded, ..*events };
-            Frame::Coded { context: name.id(), length, events }.write(payload);
+            let block = EventBlockRef { bytes: &coded, ..block };
+            Frame::Coded { context: name.id(), length, stream, block }.write(payload);
         } else {
-            Frame::Events(*events).write(payload);
+            Frame::Events { stream, block }.write(payload);
         }
         Ok(is_coded)
     }

@@ -2,16 +2,16 @@
 
 use super::coded::Coding;
 use super::outgoing::{TransmitContext, next_part, small};
-use super::source::EventBuffer;
 use crate::deflate::deflate;
 use crate::frame::{Frame, Packing, PartialEvent, StreamId};
 use crate::range_set::RangeSet;
+use rafcon_events::EventBlock;
 
 /// An event that is sent in parts, until the station reports it.
 #[derive(Debug)]
 pub(super) struct LargeEvent {
     first: u64,
-    t_before: u64,
+    time_before: u64,
     packing: Packing,
     /// The packed items.
     bytes: Vec<u8>,
@@ -22,15 +22,15 @@ pub(super) struct LargeEvent {
 }
 
 impl LargeEvent {
-    pub(super) fn new(event: EventBuffer, coding: &mut Coding, turn: TransmitContext<'_>) -> Self {
-        let EventBuffer { first, t_before, items, .. } = event;
+    pub(super) fn new(event: EventBlock, coding: &mut Coding, turn: TransmitContext<'_>) -> Self {
+        let EventBlock { first_sequence: first, time_before, bytes: items, .. } = event;
         let deflated = || {
             let deflated = deflate(&items);
             (deflated.len() < items.len()).then_some((Packing::Deflated, deflated))
         };
         let packed = coding.pack(&items, turn).or_else(deflated);
         let (packing, bytes) = packed.unwrap_or((Packing::Plain, items));
-        Self { first, t_before, packing, bytes, here: RangeSet::default(), sent: 0 }
+        Self { first, time_before, packing, bytes, here: RangeSet::default(), sent: 0 }
     }
 
     /// The number of the event.
@@ -88,9 +88,9 @@ impl LargeEvent {
         if part.is_empty() {
             return false;
         }
-        let Self { first, t_before, packing, .. } = *self;
+        let Self { first, time_before, packing, .. } = *self;
         let length = small(length);
-        Frame::Large { stream, first, t_before, packing, length, offset, bytes: part }
+        Frame::Large { stream, first, time_before, packing, length, offset, bytes: part }
             .write(payload);
         self.sent = start + part.len();
         !self.is_sending()

@@ -18,7 +18,7 @@ mod watched;
 
 pub use bulk::Rank;
 pub(crate) use scheduled_commands::SCHEDULED_MAX;
-pub use source::{EventBuffer, RunSource};
+pub use source::RunSource;
 pub(crate) use watched::WATCH_BYTES_MAX;
 pub use watched::{NewestValue, VALUE_BYTES_MAX, WatchSubscription};
 
@@ -36,6 +36,7 @@ use crate::traffic::Traffic;
 use bulk::Bulk;
 use outgoing::{Outgoing, TransmitContext};
 use parts::IncompleteCommands;
+use rafcon_events::EventBlockRef;
 use scheduled_commands::ScheduledCommands;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -172,10 +173,10 @@ impl RobotSession {
 
     /// New events of a run, which are on the disk. Best one at a time: those that are together too long for one datagram do not go
     /// ahead of the older ones.
-    pub fn append(&mut self, events: &frame::Events<'_>) {
+    pub fn append(&mut self, stream: StreamId, block: EventBlockRef<'_>) {
         let room = self.end.path.max() - OVERHEAD - URGENT_MAX;
-        let stream = self.streams.entry(events.stream);
-        stream.or_insert_with(|| Outgoing::new(events.stream, 0)).append(events, room);
+        let outgoing = self.streams.entry(stream);
+        outgoing.or_insert_with(|| Outgoing::new(stream, 0)).append(block, room);
     }
 
     /// The run has events up to `head` in its journal; those that are new go in their turn.

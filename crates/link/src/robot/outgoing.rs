@@ -8,10 +8,11 @@ use super::snapshots::Snapshots;
 use super::source::RunSource;
 use super::tail::{self, Tail};
 use crate::assembly::PART_MIN;
-use crate::frame::{EventHash, Events, Frame, Received, StreamId};
+use crate::frame::{EventHash, Frame, Received, StreamId, block_bytes_max};
 use crate::loss_rate::LossRate;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
+use rafcon_events::EventBlockRef;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -191,12 +192,13 @@ impl Outgoing {
         }
     }
 
-    pub(super) fn append(&mut self, events: &Events<'_>, room: usize) {
-        let continues = events.first == self.head + 1;
-        self.head = self.head.max(events.last());
-        let fits = events.items.len() <= Events::items_max(room, events.first, events.t_before);
+    pub(super) fn append(&mut self, block: EventBlockRef<'_>, room: usize) {
+        let EventBlockRef { first_sequence, time_before, bytes, .. } = block;
+        let continues = first_sequence == self.head + 1;
+        self.head = self.head.max(block.last_sequence());
+        let fits = bytes.len() <= block_bytes_max(room, first_sequence, time_before);
         if continues && fits {
-            self.tail.append(events);
+            self.tail.append(block);
         } else {
             // Events that are missing here or too long are read from the journal, and those before them are repeated from there.
             let unrepeated = self.tail.unrepeated(self.sends);

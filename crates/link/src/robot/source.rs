@@ -1,26 +1,7 @@
 //! Source of data that the robot's session no longer has in memory.
 
 use crate::frame::{StreamId, ValueName};
-
-/// Events that are read from a journal.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EventBuffer {
-    /// The number of the first event.
-    pub first: u64,
-    /// Number of events in the bytes.
-    pub count: u64,
-    /// The time of the event before them, in ns since the start of the run.
-    pub t_before: u64,
-    /// The items.
-    pub items: Vec<u8>,
-}
-
-impl EventBuffer {
-    /// The number of the last event.
-    pub fn last(&self) -> u64 {
-        self.first + self.count - 1
-    }
-}
+use rafcon_events::EventBlock;
 
 /// Source of data that the session no longer has in memory.
 pub trait RunSource {
@@ -32,7 +13,7 @@ pub trait RunSource {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Option<EventBuffer>;
+    ) -> Option<EventBlock>;
 
     /// The present state of a run and the number of its last event, readable without the events before.
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)>;

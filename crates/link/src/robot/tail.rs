@@ -2,9 +2,9 @@
 
 use super::coded::Coding;
 use super::outgoing::TransmitContext;
-use super::source::EventBuffer;
-use crate::frame::{Events, StreamId};
+use crate::frame::{StreamId, block_bytes_max};
 use crate::profile::Profile;
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -18,7 +18,7 @@ pub(super) const SENDS_UNHEARD: u8 = 3;
 #[derive(Debug)]
 pub(super) struct Tail {
     stream: StreamId,
-    events: VecDeque<TailEvents>,
+    blocks: VecDeque<SentBlock>,
     bytes: usize,
     /// When any of them were sent, and when any for the first time.
     sent_at: Option<Duration>,
@@ -27,10 +27,17 @@ pub(super) struct Tail {
     is_cut: bool,
 }
 
+/// A block with the number of its sends.
 #[derive(Debug)]
-struct TailEvents {
-    events: EventBuffer,
+struct SentBlock {
+    block: EventBlock,
     sends: u8,
+}
+
+impl SentBlock {
+    fn first_sequence(&self) -> u64 {
+        self.block.first_sequence
+    }
 }
 
 /// Events that were written.
@@ -43,50 +50,46 @@ pub(super) struct WrittenTail {
 impl Tail {
     pub(super) fn new(stream: StreamId) -> Self {
         let (sent_at, new_sent_at) = (None, None);
-        Self { stream, events: VecDeque::new(), bytes: 0, sent_at, new_sent_at, is_cut: false }
+        Self { stream, blocks: VecDeque::new(), bytes: 0, sent_at, new_sent_at, is_cut: false }
     }
 
     /// The next events of the run, which fit into one datagram.
-    pub(super) fn append(&mut self, events: &Events<'_>) {
-        let Events { first, count, t_before, items, .. } = *events;
-        let events = EventBuffer { first, count, t_before, items: items.to_vec() };
-        self.bytes += events.items.len();
-        self.events.push_back(TailEvents { events, sends: 0 });
+    pub(super) fn append(&mut self, block: EventBlockRef<'_>) {
+        self.bytes += block.bytes.len();
+        self.blocks.push_back(SentBlock { block: block.to_block(), sends: 0 });
         while self.bytes > BYTES_MAX
-            && let Some(oldest) = self.events.pop_front()
+            && let Some(oldest) = self.blocks.pop_front()
         {
-            self.bytes -= oldest.events.items.len();
+            self.bytes -= oldest.block.bytes.len();
         }
     }
 
     /// True if the events continue from this one to the last event of the run.
     pub(super) fn continues(&self, sequence: u64, head: u64) -> bool {
-        let first = self.events.front().map_or(head + 1, |events| events.events.first);
-        first <= sequence + 1
+        self.blocks.front().map_or(head + 1, SentBlock::first_sequence) <= sequence + 1
     }
 
     /// The first event that is still to be sent for the first time.
     pub(super) fn first_unsent(&self) -> Option<u64> {
-        let unsent = self.events.iter().find(|events| events.sends == 0);
-        unsent.map(|events| events.events.first)
+        self.blocks.iter().find(|sent| sent.sends == 0).map(SentBlock::first_sequence)
     }
 
     /// The first event with at least one send and fewer than `sends_max`.
     pub(super) fn unrepeated(&self, sends_max: u8) -> Option<u64> {
-        let found = self.events.iter().find(|events| (1..sends_max).contains(&events.sends));
-        found.map(|events| events.events.first)
+        let found = self.blocks.iter().find(|sent| (1..sends_max).contains(&sent.sends));
+        found.map(SentBlock::first_sequence)
     }
 
     /// Makes the events after this one due again.
     pub(super) fn send_again_after(&mut self, sequence: u64) {
-        for events in self.events.iter_mut().filter(|events| events.events.first > sequence) {
-            events.sends = events.sends.min(SENDS_UNHEARD - 1);
+        for sent in self.blocks.iter_mut().filter(|sent| sent.first_sequence() > sequence) {
+            sent.sends = sent.sends.min(SENDS_UNHEARD - 1);
         }
     }
 
     /// Time of the next send. Each event is sent `sends_max` times.
     pub(super) fn due_at(&self, profile: &Profile, sends_max: u8) -> Duration {
-        let sends = self.events.iter().map(|events| events.sends).min();
+        let sends = self.blocks.iter().map(|sent| sent.sends).min();
         match sends.filter(|least| *least < sends_max) {
             None => Duration::MAX,
             Some(_) if self.is_cut => Duration::ZERO,
@@ -103,28 +106,28 @@ impl Tail {
         coding: &mut Coding,
         payload: &mut Vec<u8>,
     ) -> Option<WrittenTail> {
-        let from = self.events.iter().position(|events| events.sends < sends_max)?;
-        let head = self.events.back()?.events.last();
-        let EventBuffer { first, t_before, .. } = self.events[from].events;
-        let left = Events::items_max(turn.room.saturating_sub(payload.len()), head, t_before);
-        let (mut items, mut last, mut new) = (Vec::new(), None, None);
+        let from = self.blocks.iter().position(|sent| sent.sends < sends_max)?;
+        let head = self.blocks.back()?.block.last_sequence();
+        let EventBlock { first_sequence, time_before, .. } = self.blocks[from].block;
+        let left = block_bytes_max(turn.room.saturating_sub(payload.len()), head, time_before);
+        let (mut bytes, mut last, mut new) = (Vec::new(), None, None);
         self.is_cut = false;
-        for TailEvents { events, sends } in self.events.range_mut(from..) {
-            if items.len() + events.items.len() > left {
+        for SentBlock { block, sends } in self.blocks.range_mut(from..) {
+            if bytes.len() + block.bytes.len() > left {
                 self.is_cut = true;
                 break;
             }
-            items.extend_from_slice(&events.items);
+            bytes.extend_from_slice(&block.bytes);
             if *sends == 0 {
-                new.get_or_insert(events.first);
+                new.get_or_insert(block.first_sequence);
             }
             *sends = sends.saturating_add(1);
-            last = Some(events.last());
+            last = Some(block.last_sequence());
         }
         let last = last?;
-        let stream = self.stream;
-        let events = Events { stream, first, count: last - first + 1, t_before, items: &items };
-        let is_coded = coding.write_uncut(&events, turn, payload);
+        let count = last - first_sequence + 1;
+        let block = EventBlockRef { first_sequence, count, time_before, bytes: &bytes };
+        let is_coded = coding.write_uncut(self.stream, block, turn, payload);
         self.sent_at = Some(turn.now);
         if new.is_some() {
             self.new_sent_at = Some(turn.now);

@@ -1,12 +1,13 @@
 //! What is in the robot's datagrams, and what comes first.
 
-use super::{EventBuffer, Rank, RobotSession, RunSource};
+use super::{Rank, RobotSession, RunSource};
 use crate::endpoint::Identity;
-use crate::frame::{EventHash, Events, StreamId};
+use crate::frame::{EventHash, StreamId};
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, PairingKey, SenderStart};
 use crate::station::{FromRobot, StationSession};
 use expect_test::expect;
+use rafcon_events::{EventBlock, EventBlockRef};
 use std::time::Duration;
 
 const MACHINES: StreamId = StreamId(1);
@@ -16,8 +17,8 @@ const EVENTS: StreamId = StreamId(5);
 struct LongHistory;
 
 impl RunSource for LongHistory {
-    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBuffer> {
-        Some(EventBuffer { first, count: 1, t_before: 0, items: vec![7; 400] })
+    fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBlock> {
+        Some(EventBlock { first_sequence: first, count: 1, time_before: 0, bytes: vec![7; 400] })
     }
 
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -66,9 +67,7 @@ fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
             now += Duration::from_millis(1);
             while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
                 let show = |shown: FromRobot<'_>| match shown {
-                    FromRobot::Events(events) if events.stream == MACHINES => {
-                        received += events.count;
-                    }
+                    FromRobot::Events { stream: MACHINES, block } => received += block.count,
                     _ => {}
                 };
                 // A new station rejects datagrams with a short header.
@@ -91,7 +90,7 @@ const RUN: StreamId = StreamId(1);
 struct NoJournal;
 
 impl RunSource for NoJournal {
-    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 
@@ -119,7 +118,10 @@ fn no_datagram_is_longer_than_the_profile_says() {
         let now = now + Duration::from_secs(1);
         robot.set_calendar(now, u64::MAX);
         let items = vec![9; length];
-        robot.append(&Events { stream: RUN, first: 1, count: 1, t_before: 1 << 50, items: &items });
+        robot.append(
+            RUN,
+            EventBlockRef { first_sequence: 1, count: 1, time_before: 1 << 50, bytes: &items },
+        );
         robot.set_state(RUN, &vec![b's'; 260 - length], false);
         while let Some(datagram) = robot.transmit(now, &mut NoJournal).expect("a number") {
             assert!(datagram.len() <= 300, "{} bytes with {length} of items", datagram.len());
@@ -136,11 +138,11 @@ fn items(first: u64, last: u64) -> Vec<u8> {
 struct Journal;
 
 impl RunSource for Journal {
-    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBlock> {
         let fit = (max / items(first, first).len()).max(1) as u64;
         let last = last.min(first + fit - 1);
         let (count, items) = (last - first + 1, items(first, last));
-        Some(EventBuffer { first, count, t_before: 0, items })
+        Some(EventBlock { first_sequence: first, count, time_before: 0, bytes: items })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -185,7 +187,10 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     let mut on_its_way = restarted.transmit(now).expect("room").expect("a report");
     let append = |robot: &mut RobotSession, event| {
         let items = items(event, event);
-        robot.append(&Events { stream: RUN, first: event, count: 1, t_before: 0, items: &items });
+        robot.append(
+            RUN,
+            EventBlockRef { first_sequence: event, count: 1, time_before: 0, bytes: &items },
+        );
     };
     (2_001..=2_020).for_each(|event| append(&mut robot, event));
     for _ in 0..200 {
@@ -259,7 +264,7 @@ impl Standing {
 }
 
 impl RunSource for Standing {
-    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 
@@ -359,8 +364,8 @@ fn order(
     while !is_enough(&order, now) {
         if let Some(mut datagram) = robot.transmit(now, &mut LongHistory).unwrap() {
             let note = |shown: FromRobot<'_>| {
-                if let FromRobot::Events(events) = shown {
-                    order.push(events.stream);
+                if let FromRobot::Events { stream, .. } = shown {
+                    order.push(stream);
                 }
             };
             station.receive(now, &mut datagram, note).unwrap();
@@ -446,7 +451,10 @@ fn a_run_is_complete_once_the_hash_of_its_events_was_heard() {
     let mut robot = RobotSession::new(&identity, Profile::LAN);
     let mut station = StationSession::new(&identity, Profile::LAN);
     robot.begin(RUN, 0);
-    robot.append(&Events { stream: RUN, first: 1, count: 1, t_before: 0, items: b"an event" });
+    robot.append(
+        RUN,
+        EventBlockRef { first_sequence: 1, count: 1, time_before: 0, bytes: b"an event" },
+    );
     robot.set_state(RUN, b"ended", true);
     let (mut now, mut told, mut sent) = (Duration::ZERO, Vec::new(), 0);
     let mut wait_until_complete = |robot: &mut RobotSession| {

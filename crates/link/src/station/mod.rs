@@ -18,12 +18,12 @@ pub use value_requests::{FetchProgress, NotWatched};
 
 use crate::assembly::{Assembly, LENGTH_MAX};
 use crate::bytes::write_number;
-use crate::coding::{ContextId, Contexts, LastCoder, OfferedSnapshots};
+use crate::coding::{Contexts, LastCoder, OfferedSnapshots};
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
 use crate::frame::{
-    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Events, Frame, NoValue, Packing,
-    Received, StreamId, ValueFrame, ValueId,
+    COMMAND_LENGTH_MAX, CommandId, CommandState, EventHash, Frame, NoValue, Packing, Received,
+    StreamId, ValueFrame, ValueId,
 };
 use crate::heard::{ClockBounds, RobotClock};
 use crate::profile::{CARRIER_OVERHEAD, Profile};
@@ -33,6 +33,7 @@ use crate::seal::{Direction, For, Horizon, KeyId, OVERHEAD, PairingKey, SealErro
 use crate::traffic::Traffic;
 use commands::Commands;
 use large::LargeEvents;
+use rafcon_events::EventBlockRef;
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -57,7 +58,12 @@ pub enum FromRobot<'b> {
     /// The robot has restarted, or this is its first datagram. Earlier reports of commands and clocks are void.
     Started,
     /// Events of which at least one is new.
-    Events(Events<'b>),
+    Events {
+        /// The run.
+        stream: StreamId,
+        /// The events.
+        block: EventBlockRef<'b>,
+    },
     /// Progress of a run.
     Status {
         /// The run.
@@ -420,10 +426,8 @@ impl StationSession {
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
         match *frame {
-            Frame::Events(ref events) => self.take_events(events, show),
-            Frame::Coded { context, length, ref events } => {
-                self.take_coded(context, length as usize, events, show);
-            }
+            Frame::Events { stream, block } => self.take_events(stream, block, show),
+            Frame::Coded { .. } => self.take_coded(frame, show),
             Frame::Large { .. } => self.take_large(frame, show),
             Frame::Status { .. } => self.take_status(at_ms, frame, show),
             Frame::Snapshot { .. } => self.take_snapshot_part(frame, show),
@@ -490,7 +494,7 @@ impl StationSession {
 
     /// Takes a part of an event.
     fn take_large(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
-        let Frame::Large { stream, first, t_before, packing, length, offset, bytes } = *frame
+        let Frame::Large { stream, first, time_before, packing, length, offset, bytes } = *frame
         else {
             return;
         };
@@ -508,7 +512,9 @@ impl StationSession {
         let Some(incoming) = self.incoming(stream) else { return };
         let whole = incoming.large.add((first, length, packing), offset, bytes);
         let Some(items) = whole.and_then(|packed| incoming.unpack(packing, packed)) else { return };
-        self.take_events(&Events { stream, first, count: 1, t_before, items: &items }, show);
+        let (first_sequence, time_before) = (first, time_before);
+        let block = EventBlockRef { first_sequence, count: 1, time_before, bytes: &items };
+        self.take_events(stream, block, show);
     }
 
     fn take_status(&mut self, at_ms: u64, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
@@ -566,26 +572,21 @@ impl StationSession {
         show(FromRobot::Snapshot { stream, sequence, bytes });
     }
 
-    fn take_coded(
-        &mut self,
-        context: ContextId,
-        length: usize,
-        events: &Events<'_>,
-        show: &mut impl FnMut(FromRobot<'_>),
-    ) {
-        if self.touch_settled(events.stream, events.last()) {
+    fn take_coded(&mut self, frame: &Frame<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+        let Frame::Coded { context, length, stream, block } = *frame else { return };
+        if self.touch_settled(stream, block.last_sequence()) {
             return;
         }
-        let Some(incoming) = self.incoming(events.stream) else { return };
-        if incoming.received.contains(&(events.first..=events.last())) {
-            return self.take_events(&Events { items: &[], ..*events }, show);
+        let Some(incoming) = self.incoming(stream) else { return };
+        if incoming.received.contains(&block.sequences()) {
+            return self.take_events(stream, EventBlockRef { bytes: &[], ..block }, show);
         }
         let Incoming { contexts, coder, .. } = incoming;
         // Events that cannot be decoded after a restart of this side are treated as lost.
-        let coder = contexts.find(context).map(|items| coder.with(context, items));
-        let items = coder.and_then(|coder| coder.decode(events.items, length));
-        if let Some(items) = items {
-            self.take_events(&Events { items: &items, ..*events }, show);
+        let coder = contexts.find(context).map(|known| coder.with(context, known));
+        let bytes = coder.and_then(|coder| coder.decode(block.bytes, length as usize));
+        if let Some(bytes) = bytes {
+            self.take_events(stream, EventBlockRef { bytes: &bytes, ..block }, show);
         }
     }
 
@@ -616,26 +617,30 @@ impl StationSession {
         }
     }
 
-    fn take_events(&mut self, events: &Events<'_>, show: &mut impl FnMut(FromRobot<'_>)) {
+    fn take_events(
+        &mut self,
+        stream: StreamId,
+        block: EventBlockRef<'_>,
+        show: &mut impl FnMut(FromRobot<'_>),
+    ) {
         let codes = self.profile.codes_new();
         self.has_news = true;
-        if self.touch_settled(events.stream, events.last()) {
+        if self.touch_settled(stream, block.last_sequence()) {
             return;
         }
-        let Some(incoming) = self.incoming(events.stream) else { return };
+        let Some(incoming) = self.incoming(stream) else { return };
         let is_scattered = incoming.received.ranges_count() >= GAPS_MAX;
-        if is_scattered && incoming.received.end_at(events.first - 1).is_none() {
+        if is_scattered && incoming.received.end_at(block.first_sequence - 1).is_none() {
             return;
         }
-        incoming.head = incoming.head.max(events.last());
+        incoming.head = incoming.head.max(block.last_sequence());
         incoming.reports = LAST_REPORTS;
-        let range = events.first..=events.last();
-        if codes && !events.items.is_empty() {
-            incoming.contexts.note(events);
+        if codes && !block.bytes.is_empty() {
+            incoming.contexts.note(block);
         }
-        if !incoming.received.contains(&range) {
-            incoming.received.insert(range);
-            show(FromRobot::Events(*events));
+        if !incoming.received.contains(&block.sequences()) {
+            incoming.received.insert(block.sequences());
+            show(FromRobot::Events { stream, block });
         }
     }
 

@@ -6,15 +6,16 @@ use crate::endpoint::{Identity, Unusable};
 use crate::frame::{COMMAND_LENGTH_MAX, CommandId, CommandState, StreamId};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::{EventBuffer, RobotSession, RunSource, SCHEDULED_MAX};
+use crate::robot::{RobotSession, RunSource, SCHEDULED_MAX};
 use crate::seal::{KeyId, PairingKey, Rejected, SenderStart};
+use rafcon_events::EventBlock;
 use std::time::Duration;
 
 /// A robot without runs.
 struct NoRuns;
 
 impl RunSource for NoRuns {
-    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 

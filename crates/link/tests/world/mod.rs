@@ -1,8 +1,8 @@
 //! A robot with one run over a disturbed link, and its station, in virtual time.
 
 use rafcon_link::{
-    CommandId, EventBuffer, Events, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession,
-    RunSource, SenderStart, StationSession, StreamId,
+    CommandId, EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile,
+    RobotSession, RunSource, SenderStart, StationSession, StreamId,
 };
 use rafcon_testkit::link_world::{Carrier, Conditions};
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ struct Journal {
 }
 
 impl RunSource for Journal {
-    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, first: u64, last: u64, max: usize) -> Option<EventBlock> {
         let (mut items, mut count) = ((self.item)(first), 1);
         while first + count <= last {
             let next = (self.item)(first + count);
@@ -28,7 +28,7 @@ impl RunSource for Journal {
             }
             (items, count) = ([items, next].concat(), count + 1);
         }
-        Some(EventBuffer { first, count, t_before: 0, items })
+        Some(EventBlock { first_sequence: first, count, time_before: 0, bytes: items })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -90,9 +90,13 @@ impl World {
             while self.every * u32::try_from(self.head + 1).expect("few") <= self.now {
                 self.head += 1;
                 let items = (self.item)(self.head);
-                let events =
-                    Events { stream: RUN, first: self.head, count: 1, t_before: 0, items: &items };
-                self.robot.append(&events);
+                let block = EventBlockRef {
+                    first_sequence: self.head,
+                    count: 1,
+                    time_before: 0,
+                    bytes: &items,
+                };
+                self.robot.append(RUN, block);
             }
             while let Some(datagram) = self.robot.transmit(self.now, &mut journal).expect("room") {
                 if datagram.len() <= self.carries {
@@ -123,10 +127,10 @@ impl World {
             (at, now.saturating_sub(at))
         };
         let show = |shown: FromRobot<'_>| match shown {
-            FromRobot::Events(events) if events.stream == RUN => {
-                delays.extend((events.first..=events.last()).map(delay));
+            FromRobot::Events { stream: RUN, block } => {
+                delays.extend(block.sequences().map(delay));
             }
-            FromRobot::Events(events) => *files += events.count,
+            FromRobot::Events { block, .. } => *files += block.count,
             _ => {}
         };
         let _doubled = self.station.receive(now, datagram, show);

@@ -7,7 +7,7 @@ use super::viewers::Shared;
 use crate::pairing::Pairing;
 use parking_lot::{Condvar, Mutex};
 use rafcon_link::{EventHash, Horizon, KeyId, StreamId};
-use rafcon_storage::journal::EventItems;
+use rafcon_storage::journal::EventBlock;
 use std::collections::VecDeque;
 use std::io;
 use std::sync::Arc;
@@ -26,9 +26,9 @@ const END_WITHIN: Duration = Duration::from_secs(5);
 #[derive(Debug)]
 pub(super) enum Work {
     /// Keep the next part of what is to be known about a run, or of a parcel.
-    Part(EventItems),
+    Part(EventBlock),
     /// Keep the next events of a run.
-    Events(EventItems),
+    Events(EventBlock),
     /// Compare the hash of the events with the robot's.
     Check(EventHash),
     /// Close the run, which is over and complete.
@@ -136,7 +136,7 @@ impl Disk {
     }
 
     /// Gives events of a run, by their stream; gives them back if too much waits.
-    pub(super) fn give_events(&self, run: StreamId, items: EventItems) -> Result<(), EventItems> {
+    pub(super) fn give_events(&self, run: StreamId, items: EventBlock) -> Result<(), EventBlock> {
         if !self.has_room(&items, EVENTS_MAX) {
             return Err(items);
         }
@@ -145,7 +145,7 @@ impl Disk {
     }
 
     /// Gives a part of the description of a run, by the stream of its events, or of a parcel; gives it back if too much waits.
-    pub(super) fn give_part(&self, run: StreamId, items: EventItems) -> Result<(), EventItems> {
+    pub(super) fn give_part(&self, run: StreamId, items: EventBlock) -> Result<(), EventBlock> {
         if !self.has_room(&items, ALL_MAX) {
             return Err(items);
         }
@@ -153,7 +153,7 @@ impl Disk {
         Ok(())
     }
 
-    fn has_room(&self, items: &EventItems, most: usize) -> bool {
+    fn has_room(&self, items: &EventBlock, most: usize) -> bool {
         self.queue.bytes.load(Ordering::Acquire) + in_order::cost(items) <= most
     }
 

@@ -1,7 +1,7 @@
 //! Reorders items of a robot's streams in bounded memory.
 
 use rafcon_link::StreamId;
-use rafcon_storage::journal::EventItems;
+use rafcon_storage::journal::EventBlock;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
@@ -22,7 +22,7 @@ struct Ahead {
     /// Up to here everything was passed on.
     passed: u64,
     /// By the number of the first.
-    items: BTreeMap<u64, EventItems>,
+    items: BTreeMap<u64, EventBlock>,
 }
 
 impl InOrder {
@@ -41,37 +41,38 @@ impl InOrder {
     pub(super) fn add(
         &mut self,
         stream: StreamId,
-        items: EventItems,
+        items: EventBlock,
         safe: u64,
     ) -> Option<RangeInclusive<u64>> {
         let begin = || Ahead { passed: safe, ..Ahead::default() };
         let ahead = self.streams.entry(stream).or_insert_with(begin);
-        if ahead.items.get(&items.first).is_some_and(|longer| longer.count >= items.count) {
+        if ahead.items.get(&items.first_sequence).is_some_and(|longer| longer.count >= items.count)
+        {
             return None;
         }
         self.bytes += cost(&items);
-        if let Some(shorter) = ahead.items.insert(items.first, items) {
+        if let Some(shorter) = ahead.items.insert(items.first_sequence, items) {
             self.bytes -= cost(&shorter);
         }
         // The farthest of this stream goes: the nearest is what the others wait for.
         let is_too_much = self.bytes > AHEAD_MAX;
         let (_, farthest) = is_too_much.then(|| ahead.items.pop_last())??;
         self.bytes -= cost(&farthest);
-        Some(range(&farthest))
+        Some(farthest.sequences())
     }
 
     /// Passes on what is next, as long as it is taken: what `pass` gives back waits on.
     pub(super) fn pass(
         &mut self,
         stream: StreamId,
-        mut pass: impl FnMut(EventItems) -> Result<(), EventItems>,
+        mut pass: impl FnMut(EventBlock) -> Result<(), EventBlock>,
     ) {
         let Some(ahead) = self.streams.get_mut(&stream) else { return };
         while let Some(first) =
             ahead.items.first_entry().filter(|first| *first.key() <= ahead.passed + 1)
         {
             let (first, items) = first.remove_entry();
-            let (last, cost) = (*range(&items).end(), cost(&items));
+            let (last, cost) = (items.last_sequence(), cost(&items));
             if last > ahead.passed
                 && let Err(items) = pass(items)
             {
@@ -104,12 +105,8 @@ impl InOrder {
     }
 }
 
-fn range(items: &EventItems) -> RangeInclusive<u64> {
-    items.first..=items.first + items.count - 1
-}
-
 /// Approximate memory of items in bytes.
-pub(super) fn cost(items: &EventItems) -> usize {
+pub(super) fn cost(items: &EventBlock) -> usize {
     items.bytes.len() + COST_BESIDE
 }
 
@@ -117,12 +114,12 @@ pub(super) fn cost(items: &EventItems) -> usize {
 mod tests {
     use super::{AHEAD_MAX, InOrder};
     use rafcon_link::StreamId;
-    use rafcon_storage::journal::EventItems;
+    use rafcon_storage::journal::EventBlock;
 
     const STREAM: StreamId = StreamId(7);
 
-    fn items(first: u64, count: u64, length: usize) -> EventItems {
-        EventItems { first, count, t_before: 0, bytes: vec![0; length] }
+    fn items(first: u64, count: u64, length: usize) -> EventBlock {
+        EventBlock { first_sequence: first, count, time_before: 0, bytes: vec![0; length] }
     }
 
     fn passed(in_order: &mut InOrder, room: usize) -> Vec<u64> {
@@ -131,7 +128,7 @@ mod tests {
             if firsts.len() == room {
                 return Err(items);
             }
-            firsts.push(items.first);
+            firsts.push(items.first_sequence);
             Ok(())
         });
         firsts

@@ -15,7 +15,7 @@ use crate::start::Start;
 use rafcon_link::{Horizon, KeyId, StreamId};
 use rafcon_storage::journal::folder::DIVERGED_FILE;
 use rafcon_storage::journal::{
-    About, EventItems, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
+    About, EventBlock, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
 };
 use run::KeptRun;
 use std::collections::{BTreeMap, VecDeque};
@@ -57,7 +57,7 @@ pub(super) struct KeptRuns {
     completed: CompletedRuns,
     parcels: StationParcels,
     /// The parts of parcels that are not written.
-    parts: VecDeque<(StreamId, EventItems)>,
+    parts: VecDeque<(StreamId, EventBlock)>,
     /// Parts that failed are retried with the next sync.
     are_stuck: bool,
     /// Number of complete parcels.

@@ -6,7 +6,7 @@ use crate::ids;
 use crate::parcels::Parcels;
 use rafcon_link::StreamId;
 use rafcon_protocol::api::RobotMachines;
-use rafcon_storage::journal::{EventItems, Hash, Pack};
+use rafcon_storage::journal::{EventBlock, Hash, Pack};
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
@@ -106,11 +106,11 @@ impl StationParcels {
     }
 
     /// Takes the next part of a parcel. What makes no sense is not kept.
-    pub(super) fn take(&mut self, stream: StreamId, part: &EventItems) -> io::Result<TakenPart> {
+    pub(super) fn take(&mut self, stream: StreamId, part: &EventBlock) -> io::Result<TakenPart> {
         let mut taken = TakenPart::default();
         let here = self.coming.get(&stream).copied().unwrap_or(0);
-        let is_next = (part.first - 1).checked_mul(PART as u64) == Some(here);
-        let least = if part.first == 1 { HEAD } else { 1 };
+        let is_next = (part.first_sequence - 1).checked_mul(PART as u64) == Some(here);
+        let least = if part.first_sequence == 1 { HEAD } else { 1 };
         let fits = part.count == 1 && (least..=PART).contains(&part.bytes.len());
         let is_known = self.parcels.all().iter().any(|kept| kept.stream() == stream);
         if is_known || !is_next || !fits {
@@ -129,7 +129,7 @@ impl StationParcels {
         }
         let here = here + part.bytes.len() as u64;
         self.coming.insert(stream, here);
-        let head = if part.first == 1 { part.bytes.clone() } else { read_head(&path)? };
+        let head = if part.first_sequence == 1 { part.bytes.clone() } else { read_head(&path)? };
         let length = record_length(&head).filter(|length| *length <= 2 * PARCEL_MAX as u64);
         if length.is_some_and(|length| here < length && part.bytes.len() == PART) {
             return Ok(taken);
@@ -193,18 +193,18 @@ mod tests {
     use crate::parcels::Parcels;
     use rafcon_link::StreamId;
     use rafcon_protocol::api::{MachineFile, RobotMachines};
-    use rafcon_storage::journal::{EventItems, Pack};
+    use rafcon_storage::journal::{EventBlock, Pack};
     use rafcon_storage::{Libraries, Packer};
     use rafcon_testkit::notation;
     use std::fs;
     use std::path::Path;
 
-    fn part(first: u64, bytes: Vec<u8>) -> EventItems {
-        EventItems { first, count: 1, t_before: 0, bytes }
+    fn part(first: u64, bytes: Vec<u8>) -> EventBlock {
+        EventBlock { first_sequence: first, count: 1, time_before: 0, bytes }
     }
 
     /// A machine with this number in it, and the parts of its parcel.
-    fn machine(number: u64) -> (Pack, StreamId, Vec<EventItems>) {
+    fn machine(number: u64) -> (Pack, StreamId, Vec<EventBlock>) {
         let numbers: Vec<_> = (0..200).map(|at| (number + at) * 7_919 % 10_007).collect();
         let text =
             format!("execution ROOT \"M\"\n  outcome success\n  script |\n    x = {numbers:?}\n");

@@ -8,7 +8,7 @@ use rafcon_link::{
     CommandId, CommandState, EventHash, FromRobot, KeyId, NoValue, PairingKey, StreamId, ValueId,
 };
 use rafcon_protocol::{Snapshot, WatchedValue};
-use rafcon_storage::journal::EventItems;
+use rafcon_storage::journal::EventBlock;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ const SNAPSHOTS_MAX: usize = 64;
 
 /// Content of a datagram, applied after the borrow of the session ends.
 pub(super) enum Received {
-    Events(StreamId, EventItems),
+    Events(StreamId, EventBlock),
     /// State of a run, and the hash of its events with the time of the robot's session.
     Stands(StreamId, ReportedRunState, Option<(u64, EventHash)>),
     Snapshot(StreamId, Box<Snapshot>),
@@ -35,11 +35,7 @@ impl Received {
     /// `None` if it cannot be parsed.
     pub(super) fn of(shown: FromRobot<'_>) -> Option<Self> {
         Some(match shown {
-            FromRobot::Events(events) => {
-                let (first, count, t_before) = (events.first, events.count, events.t_before);
-                let bytes = events.items.to_vec();
-                Self::Events(events.stream, EventItems { first, count, t_before, bytes })
-            }
+            FromRobot::Events { stream, block } => Self::Events(stream, block.to_block()),
             FromRobot::Status { stream, state, chain, at_ms, .. } => {
                 let reported = serde_json::from_slice(state).unwrap_or_default();
                 Self::Stands(stream, reported, chain.map(|chain| (at_ms, chain)))

@@ -5,7 +5,7 @@ use crate::ids;
 use rafcon_link::StreamId;
 use rafcon_protocol::LinkHealth;
 use rafcon_storage::journal::{
-    About, EventItems, JournalError, Options, Pack, Replica, ReplicaError,
+    About, EventBlock, JournalError, Options, Pack, Replica, ReplicaError,
 };
 use std::fs;
 use std::path::Path;
@@ -84,7 +84,7 @@ impl ReplicaRun {
     }
 
     /// Takes events that continue what is here.
-    pub(super) fn append(&mut self, items: &EventItems) -> Result<(), ReplicaError> {
+    pub(super) fn append(&mut self, items: &EventBlock) -> Result<(), ReplicaError> {
         self.replica.append(items).map(drop)
     }
 

@@ -5,9 +5,7 @@ use crate::inbox::Stopper;
 use crate::machine_lists::MachineLists;
 use crate::pairing::{Paired, Pairing};
 use parking_lot::Mutex;
-use rafcon_link::{
-    EventBuffer, Identity, RobotSession, RunSource, SenderStart, StreamId as Stream,
-};
+use rafcon_link::{EventBlock, Identity, RobotSession, RunSource, SenderStart, StreamId as Stream};
 use rafcon_protocol::api::Right;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
@@ -35,7 +33,7 @@ impl PairingList for HangingList {
 struct NoRuns;
 
 impl RunSource for NoRuns {
-    fn events(&mut self, _: Stream, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: Stream, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 

@@ -8,8 +8,8 @@ use rafcon_protocol::{
     ToViewer, decode, encode, encode_frame, frame_head,
 };
 use rafcon_storage::journal::folder::{Doing, SOCKET_FILE, bind_socket};
-use rafcon_storage::journal::stream::EventBlock;
-use rafcon_storage::journal::{EventItems, EventSource, JournalError};
+use rafcon_storage::journal::stream::StreamBlock;
+use rafcon_storage::journal::{EventSource, JournalError};
 use rafcon_supervisor::clock;
 pub(super) use shared::Shared;
 use std::fs;
@@ -206,7 +206,7 @@ fn show(out: &mut UnixStream, viewer: u64, join: &Join, shared: &Shared) -> io::
     let mut next = if join.from == 0 { safe + 1 } else { join.from };
     let mut frame = vec![0; FRAME_HEAD];
     for (first, items) in source.places(next.saturating_sub(1)).map_err(io::Error::other)? {
-        EventBlock { first, t_before: 0, items: &items }.write(&mut frame);
+        StreamBlock { first, t_before: 0, items: &items }.write(&mut frame);
     }
     send_events(out, &mut frame)?;
     let mut snapshots = 0;
@@ -217,11 +217,12 @@ fn show(out: &mut UnixStream, viewer: u64, join: &Join, shared: &Shared) -> io::
         }
         while next <= news.safe {
             let read = source.read(next, news.safe, BLOCK_BYTES).map_err(io::Error::other)?;
-            let Some(EventItems { first, count, t_before, bytes }) = read else {
+            let Some(block) = read else {
                 return Err(io::Error::other("the replica has lost events"));
             };
-            next = first + count;
-            EventBlock { first, t_before, items: &bytes }.write(&mut frame);
+            next = block.last_sequence() + 1;
+            let (first, t_before) = (block.first_sequence, block.time_before);
+            StreamBlock { first, t_before, items: &block.bytes }.write(&mut frame);
             send_events(out, &mut frame)?;
         }
         if news.snapshots > snapshots

@@ -1,7 +1,7 @@
 //! The recent events in memory: a stream in blocks, whose oldest block is dropped for the newest. This module knows
 //! bytes and numbers, but no readers.
 
-use rafcon_storage::journal::stream::{EventBlock, StreamItem};
+use rafcon_storage::journal::stream::{StreamBlock, StreamItem};
 use rafcon_storage::journal::{Reader, Record};
 use std::collections::VecDeque;
 use std::path::Path;
@@ -214,7 +214,7 @@ impl Chunk {
     /// Cuts off the surplus of the last piece. This is not part of reading, which blocks the writer.
     pub(crate) fn trim(&mut self) {
         let Some((near, end)) = self.tail.take() else { return };
-        let block = EventBlock {
+        let block = StreamBlock {
             first: near.sequence,
             t_before: near.before_ns,
             items: &self.bytes[near.start..],
@@ -238,8 +238,8 @@ impl Chunk {
     }
 
     /// The events as blocks of a stream.
-    pub(crate) fn blocks(&self) -> impl Iterator<Item = EventBlock<'_>> {
-        self.pieces.iter().map(|piece| EventBlock {
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = StreamBlock<'_>> {
+        self.pieces.iter().map(|piece| StreamBlock {
             first: piece.mark.sequence,
             t_before: piece.mark.before_ns,
             items: &self.bytes[piece.mark.start..piece.end],

@@ -3,7 +3,7 @@
 use rafcon_engine::{Datum, Engine, Node, NodeId, PathId};
 use rafcon_locks::RwLock;
 use rafcon_model::{KindName, Port, PortId};
-use rafcon_storage::journal::stream::{EventBlock, PlaceHistory, write_place};
+use rafcon_storage::journal::stream::{PlaceHistory, StreamBlock, write_place};
 use rafcon_storage::journal::{Place, PlaceNumber};
 use smol_str::SmolStr;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ impl Names {
         for (number, from, place) in self.places.read().all() {
             items.clear();
             write_place(number, place, &mut items);
-            EventBlock { first: from, t_before: 0, items: &items }.write(out);
+            StreamBlock { first: from, t_before: 0, items: &items }.write(out);
         }
     }
 

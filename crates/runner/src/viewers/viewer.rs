@@ -11,7 +11,7 @@ use rafcon_protocol::{
     EnginePulse, FRAME_HEAD, FrameKind, Join, LogLevel, Stream, ToRunner, ToViewer, decode,
     frame_head,
 };
-use rafcon_storage::journal::stream::EventBlock;
+use rafcon_storage::journal::stream::StreamBlock;
 use rafcon_storage::journal::{Item, Record};
 use std::sync::mpsc::{self, SyncSender};
 use std::time::Duration;
@@ -133,7 +133,7 @@ impl<'d, S: Scripts> Viewer<'d, S> {
     fn push(&mut self, sequence: u64, t_ns: u64, record: Record) {
         let mut items = Vec::new();
         Item::Record(t_ns, record).write(&mut t_ns.clone(), &mut items);
-        EventBlock { first: sequence, t_before: t_ns, items: &items }.write(&mut self.frame);
+        StreamBlock { first: sequence, t_before: t_ns, items: &items }.write(&mut self.frame);
     }
 
     /// Sends the frame unless it is empty.

@@ -3,7 +3,7 @@
 
 use rafcon_protocol::api::HistoryEntry;
 use rafcon_storage::journal::is_about_values;
-use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
+use rafcon_storage::journal::stream::{StreamBlock, StreamDefinitions, StreamItem};
 use std::sync::{Arc, OnceLock};
 
 /// Consecutive events of a run.
@@ -34,7 +34,7 @@ pub(crate) struct EventText {
 impl EventGroup {
     /// The events of a block before number `next`, with names from `definitions`.
     pub(super) fn new(
-        block: EventBlock<'_>,
+        block: StreamBlock<'_>,
         next: u64,
         definitions: &Arc<StreamDefinitions>,
     ) -> Self {
@@ -56,7 +56,7 @@ impl EventGroup {
     }
 
     fn spell(&self, values: bool) -> Vec<EventText> {
-        let block = EventBlock { first: self.first, t_before: self.t_before, items: &self.items };
+        let block = StreamBlock { first: self.first, t_before: self.t_before, items: &self.items };
         let events = block.items().filter_map(|item| match item {
             Ok(StreamItem::Event { sequence, t_ns, record, .. }) => {
                 let is_wanted = values || !is_about_values(&record);

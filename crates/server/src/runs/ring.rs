@@ -5,7 +5,7 @@
 use super::event_group::EventGroup;
 use rafcon_locks::Mutex;
 use rafcon_protocol::Event;
-use rafcon_storage::journal::stream::{EventBlock, StreamDefinitions, StreamItem};
+use rafcon_storage::journal::stream::{StreamBlock, StreamDefinitions, StreamItem};
 use rafcon_storage::journal::{Broken, Record};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -87,7 +87,7 @@ impl Ring {
             (kept.next, Arc::clone(&kept.definitions))
         };
         let mut finish = None;
-        for block in EventBlock::read_all(bytes) {
+        for block in StreamBlock::read_all(bytes) {
             let mut new = NewGroups::new(&definitions);
             let block = block?;
             let mut before_ns = block.t_before;
@@ -170,7 +170,7 @@ impl<'d> NewGroups<'d> {
     fn close(&mut self) {
         if !self.items.is_empty() {
             let block =
-                EventBlock { first: self.first, t_before: self.t_before, items: &self.items };
+                StreamBlock { first: self.first, t_before: self.t_before, items: &self.items };
             self.done.push(EventGroup::new(block, self.next, self.definitions));
             self.items.clear();
         }
@@ -226,7 +226,7 @@ mod tests {
     use proptest::prelude::*;
     use rafcon_protocol::{Event, Outcome};
     use rafcon_storage::journal::record::Content;
-    use rafcon_storage::journal::stream::EventBlock;
+    use rafcon_storage::journal::stream::StreamBlock;
     use rafcon_storage::journal::{
         Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber,
     };
@@ -238,7 +238,7 @@ mod tests {
         for item in items {
             item.write(&mut before, &mut bytes);
         }
-        EventBlock { first, t_before: 0, items: &bytes }.write(&mut out);
+        StreamBlock { first, t_before: 0, items: &bytes }.write(&mut out);
         out
     }
 

@@ -27,6 +27,7 @@ pub use moment::{
     StopRequest, Whole,
 };
 pub use pack::{Hash, Manifest, Pack, Packed, Parcel};
+pub use rafcon_events::EventBlock;
 pub use read::{
     Entry, Filter, FilterState, Found, KINDS, Looked, Outline, Reader, RunState, Search, Span,
     Summary, Tally, is_about_values, kind, kind_of, path_of, place_of, run_folders, runs, size_of,
@@ -35,9 +36,7 @@ pub use record::{
     Batch, Broken, DAMAGED, Definition, Glossary, Item, Kept, Left, Place, PlaceNumber, Places,
     Record, Stored, ValueNumber, tell,
 };
-pub use replicate::{
-    Chain, EventItems, EventSource, IncomingContent, Replica, ReplicaError, ValueContent,
-};
+pub use replicate::{Chain, EventSource, IncomingContent, Replica, ReplicaError, ValueContent};
 pub use store::leave_log;
 pub use write::{
     Committed, Journal, Options, Pruned, RECORDER_BYTES, ResumePoint, Retention, SIZE_MAX,

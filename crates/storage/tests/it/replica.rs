@@ -66,7 +66,7 @@ proptest! {
             let mut fresh = EventSource::open(robot.path()).unwrap();
             prop_assert_eq!(&read, &fresh.read(first, head, bytes_max).unwrap());
             if let Some(items) = read {
-                let continues = (items.first..items.first + items.count).contains(&replica.next());
+                let continues = items.sequences().contains(&replica.next());
                 prop_assert_eq!(replica.append(&items).unwrap(), continues);
             }
             if dies {
@@ -75,8 +75,8 @@ proptest! {
             }
         }
         while let Some(items) = source.read(replica.next(), head, 300).unwrap() {
-            let before = entries.iter().find(|entry| entry.sequence + 1 == items.first);
-            prop_assert_eq!(items.t_before, before.map_or(0, |entry| entry.t_ns));
+            let before = entries.iter().find(|entry| entry.sequence + 1 == items.first_sequence);
+            prop_assert_eq!(items.time_before, before.map_or(0, |entry| entry.t_ns));
             prop_assert!(replica.append(&items).unwrap());
         }
         prop_assert_eq!(replica.next(), head + 1);
@@ -116,7 +116,7 @@ proptest! {
         let mut replica = Replica::open(station, &About::default(), &SMALL).unwrap();
         replica.append(&before.read(1, head - 1, usize::MAX).unwrap().unwrap()).unwrap();
         let mut items = after.read(head, head, usize::MAX).unwrap().unwrap();
-        items.t_before += 1;
+        items.time_before += 1;
         let refused = replica.append(&items).unwrap_err();
         let is_diverged = matches!(refused, ReplicaError::Diverged { .. });
         prop_assert!(is_diverged, "{}", refused);

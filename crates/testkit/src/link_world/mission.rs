@@ -258,14 +258,14 @@ pub fn sample_events(seed: u64, length: Duration) -> (Vec<SampleEvent>, Vec<u8>)
     let mission = Mission::new(Random::new(seed), length, (length, length));
     let (mut places, mut events) = (Vec::new(), Vec::new());
     for sequence in 1..=mission.events.len() as u64 {
-        let (t_before, items) = mission.items(sequence, sequence);
+        let (time_before, items) = mission.items(sequence, sequence);
         let mut sample = SampleEvent {
             t_ns: 0,
             items: items.to_vec(),
             path: String::new(),
             names: String::new(),
         };
-        for item in rafcon_storage::journal::record::Items::new(items, t_before).flatten() {
+        for item in rafcon_storage::journal::record::Items::new(items, time_before).flatten() {
             match item {
                 Item::Definition(Definition::Place(number, place)) => places.push((number, place)),
                 Item::Record(t_ns, Record::Entered { place, .. } | Record::Left { place, .. }) => {
@@ -302,8 +302,8 @@ impl MissionState {
         if self.sequence >= head {
             return;
         }
-        let (t_before, items) = mission.items(self.sequence + 1, head);
-        for item in rafcon_storage::journal::record::Items::new(items, t_before).flatten() {
+        let (time_before, items) = mission.items(self.sequence + 1, head);
+        for item in rafcon_storage::journal::record::Items::new(items, time_before).flatten() {
             match item {
                 Item::Definition(definition) => self.moment.define(&definition),
                 Item::Record(t_ns, record) => {

@@ -4,8 +4,8 @@ use super::clock::LocalClock;
 use super::mission::{Mission, MissionState};
 use super::watching::Watched;
 use rafcon_link::{
-    CommandId, CommandState, EventBuffer, Events, Horizon, Identity, KeyId, PairingKey, Profile,
-    ReceivedCommand, RobotSession, RunSource, SenderStart, StreamId, Traffic,
+    CommandId, CommandState, EventBlock, EventBlockRef, Horizon, Identity, KeyId, PairingKey,
+    Profile, ReceivedCommand, RobotSession, RunSource, SenderStart, StreamId, Traffic,
 };
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -85,16 +85,16 @@ impl RunSource for Journal<'_> {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Option<EventBuffer> {
+    ) -> Option<EventBlock> {
         let fits = |last: &u64| self.mission.items(first, *last).1.len() <= bytes_max;
         let (mut fitting, mut beyond) = (first, last.min(self.head) + 1);
         while beyond - fitting > 1 {
             let middle = fitting.midpoint(beyond);
             *(if fits(&middle) { &mut fitting } else { &mut beyond }) = middle;
         }
-        let (t_before, items) = self.mission.items(first, fitting);
+        let (time_before, items) = self.mission.items(first, fitting);
         let (count, items) = (fitting - first + 1, items.to_vec());
-        Some(EventBuffer { first, count, t_before, items })
+        Some(EventBlock { first_sequence: first, count, time_before, bytes: items })
     }
 
     fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -149,9 +149,10 @@ impl Robot {
         let Some(server) = &mut self.server else { return };
         let (local, calendar) = (server.clock.local(now), self.calendar.at(now));
         for first in server.head + 1..=head {
-            let (t_before, items) = mission.items(first, first);
-            let events = Events { stream: STREAM, first, count: 1, t_before, items };
-            server.sessions.iter_mut().for_each(|session| session.append(&events));
+            let (time_before, items) = mission.items(first, first);
+            let block =
+                EventBlockRef { first_sequence: first, count: 1, time_before, bytes: items };
+            server.sessions.iter_mut().for_each(|session| session.append(STREAM, block));
         }
         server.head = server.head.max(head);
         for session in &mut server.sessions {

@@ -109,10 +109,10 @@ impl Station {
         let different = &mut self.different;
         let _of_an_earlier_start_or_doubled =
             session.receive(local, &mut datagram, |shown| match shown {
-                FromRobot::Events(events) => {
-                    let made = mission.items(events.first, events.last());
-                    *different += u64::from(made != (events.t_before, events.items));
-                    unsynced.push(events.first..=events.last());
+                FromRobot::Events { block, .. } => {
+                    let made = mission.items(block.first_sequence, block.last_sequence());
+                    *different += u64::from(made != (block.time_before, block.bytes));
+                    unsynced.push(block.sequences());
                 }
                 FromRobot::Snapshot { sequence, .. } => *snapshot = sequence,
                 FromRobot::CommandState { id, state, .. } => {

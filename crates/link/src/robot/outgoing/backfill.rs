@@ -2,12 +2,13 @@
 
 use super::{Asks, Content, Outgoing, SentEvents, Served, TransmitContext};
 use crate::assembly::PART_MIN;
-use crate::frame::{Events, Frame};
+use crate::frame::{Frame, block_bytes_max};
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::large::LargeEvent;
-use crate::robot::source::{EventBuffer, RunSource};
+use crate::robot::source::RunSource;
 use crate::station::LARGE_MAX;
+use rafcon_events::EventBlock;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
@@ -165,39 +166,36 @@ impl Outgoing {
     ) -> Option<Written> {
         let TransmitContext { now, room, .. } = turn;
         let left = room.saturating_sub(payload.len());
-        let items_max = |room| Events::items_max(room, *range.end(), u64::MAX >> 8);
+        let bytes_max = |room| block_bytes_max(room, *range.end(), u64::MAX >> 8);
         // A datagram begins with the time of its sender.
-        let (coded_max, datagram_max) = (items_max(left), items_max(room - TIME_BYTES));
+        let (coded_max, datagram_max) = (bytes_max(left), bytes_max(room - TIME_BYTES));
         if coded_max < PART_MIN {
             return None;
         }
         let is_coded = self.coding.is_used_for_backfill(turn);
-        let mut items_max = if is_coded { self.coding.items_max(coded_max) } else { coded_max };
+        let mut bytes_max = if is_coded { self.coding.bytes_max(coded_max) } else { coded_max };
         loop {
-            let Some(buffer) = source.events(self.id, *range.start(), *range.end(), items_max)
+            let Some(block) = source.events(self.id, *range.start(), *range.end(), bytes_max)
             else {
                 self.read_again_at = now + READ_AGAIN;
                 return None;
             };
-            if buffer.items.len() > items_max.max(coded_max) {
-                let fits_alone = buffer.items.len() <= datagram_max;
-                return self.begin_large(buffer, fits_alone, turn);
+            if block.bytes.len() > bytes_max.max(coded_max) {
+                let fits_alone = block.bytes.len() <= datagram_max;
+                return self.begin_large(block, fits_alone, turn);
             }
-            let EventBuffer { first, count, t_before, items } = &buffer;
-            let (first, count, t_before) = (*first, *count, *t_before);
-            let events = Events { stream: self.id, first, count, t_before, items };
             if !is_coded {
-                Frame::Events(events).write(payload);
-                return Some(Written::UpTo(buffer.last(), false));
+                Frame::Events { stream: self.id, block: block.view() }.write(payload);
+                return Some(Written::UpTo(block.last_sequence(), false));
             }
-            match self.coding.write(&events, coded_max, payload) {
-                Ok(is_coded) => return Some(Written::UpTo(buffer.last(), is_coded)),
-                Err(coded) if buffer.count == 1 => {
-                    return self.begin_large(buffer, coded <= datagram_max, turn);
+            match self.coding.write(self.id, block.view(), coded_max, payload) {
+                Ok(is_coded) => return Some(Written::UpTo(block.last_sequence(), is_coded)),
+                Err(coded) if block.count == 1 => {
+                    return self.begin_large(block, coded <= datagram_max, turn);
                 }
                 Err(coded) => {
-                    let fewer = items.len() * coded_max / coded;
-                    items_max = (fewer - fewer / 16).max(coded_max).min(items_max - 1);
+                    let fewer = block.bytes.len() * coded_max / coded;
+                    bytes_max = (fewer - fewer / 16).max(coded_max).min(bytes_max - 1);
                 }
             }
         }
@@ -206,7 +204,7 @@ impl Outgoing {
     /// Sends an event in parts once no other is, or repairs it. `None` if it has to wait, as it does for a datagram into which it fits.
     fn begin_large(
         &mut self,
-        event: EventBuffer,
+        event: EventBlock,
         fits_alone: bool,
         turn: TransmitContext<'_>,
     ) -> Option<Written> {
@@ -217,7 +215,7 @@ impl Outgoing {
         if self.sending_in_parts().is_some() {
             return None;
         }
-        let number = event.first;
+        let number = event.first_sequence;
         let known = self.large.iter().position(|known| known.number() == number);
         let known = known.and_then(|place| self.large.remove(place));
         let repaired = known.and_then(|known| known.repair(&self.coding, turn));

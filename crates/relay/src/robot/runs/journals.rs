@@ -1,8 +1,8 @@
 //! The journals of a robot's runs: reading for the link, and the hashes of their events.
 
 use super::RobotRuns;
-use rafcon_link::{EventHash, Events, RobotSession};
-use rafcon_storage::journal::{EventItems, EventSource};
+use rafcon_link::{EventHash, RobotSession};
+use rafcon_storage::journal::EventSource;
 
 /// Up to this many new events are sent before the backlog. The journal has the others.
 pub(super) const AHEAD_MAX: u64 = 64;
@@ -80,10 +80,8 @@ impl RobotRuns {
             let next = run.head + 1;
             let read = run.open().map(|source| source.read(next, last, 0));
             let Some(Ok(Some(read))) = read else { return };
-            let EventItems { first, count, t_before, bytes } = &read;
-            let (stream, first, count, t_before) = (run.events, *first, *count, *t_before);
-            session.append(&Events { stream, first, count, t_before, items: bytes });
-            run.head = first + count - 1;
+            session.append(run.events, read.view());
+            run.head = read.last_sequence();
         }
     }
 }

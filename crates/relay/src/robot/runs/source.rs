@@ -5,8 +5,7 @@ use crate::ids;
 use crate::meter::millis;
 use crate::sent_snapshot;
 use crate::words::RunFate;
-use rafcon_link::{EventBuffer, LENGTH_MAX, RunSource, StreamId, ValueName};
-use rafcon_storage::journal::EventItems;
+use rafcon_link::{EventBlock, LENGTH_MAX, RunSource, StreamId, ValueName};
 
 impl RunSource for RobotRuns {
     fn events(
@@ -15,23 +14,21 @@ impl RunSource for RobotRuns {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Option<EventBuffer> {
+    ) -> Option<EventBlock> {
         if stream.is_files() {
-            let items = self.parcels.part(stream, first)?;
-            return Some(EventBuffer { first, count: 1, t_before: 0, items });
+            return Some(part(first, self.parcels.part(stream, first)?));
         }
         if ids::is_about(stream) {
-            let part = self.run(stream)?.about.get(usize::try_from(first - 1).ok()?)?;
-            return Some(EventBuffer { first, count: 1, t_before: 0, items: part.clone() });
+            let about = self.run(stream)?.about.get(usize::try_from(first - 1).ok()?)?;
+            return Some(part(first, about.clone()));
         }
         let id = self.streams.run(stream)?.clone();
         let read = self.open(&id)?.read(first, last, bytes_max).ok()??;
-        let EventItems { first, count, t_before, bytes: items } = read;
-        if items.len() > LENGTH_MAX as usize {
-            self.run(stream)?.too_long = Some((first, items.len()));
+        if read.bytes.len() > LENGTH_MAX as usize {
+            self.run(stream)?.too_long = Some((read.first_sequence, read.bytes.len()));
             return None;
         }
-        Some(EventBuffer { first, count, t_before, items })
+        Some(read)
     }
 
     fn snapshot(&mut self, stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -53,4 +50,9 @@ impl RunSource for RobotRuns {
         let folder = self.folder_of(value.stream)?;
         self.values.bytes(&folder, value, offset, bytes_max)
     }
+}
+
+/// A part of a description or of files, in the place of an event.
+fn part(number: u64, bytes: Vec<u8>) -> EventBlock {
+    EventBlock { first_sequence: number, count: 1, time_before: 0, bytes }
 }

@@ -13,7 +13,7 @@ use crate::station::{GivenCommand, ToStation};
 use rafcon_link::StreamId;
 use rafcon_protocol::LinkHealth;
 use rafcon_storage::journal::folder::{CRASHED_FILE, DIVERGED_FILE, check_run_id, replace_file};
-use rafcon_storage::journal::{About, EventItems, JournalError, Pack};
+use rafcon_storage::journal::{About, EventBlock, JournalError, Pack};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs;
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ pub(super) struct KeptRun {
     reader: AboutReader,
     /// The record that the next part completed, and that the disk did not take.
     record: Option<AboutRecord>,
-    pub(super) parts: VecDeque<EventItems>,
+    pub(super) parts: VecDeque<EventBlock>,
     pub(super) todo: VecDeque<Work>,
     /// The disk refused something: it is asked again with the next sync.
     pub(super) is_stuck: bool,
@@ -148,11 +148,11 @@ impl KeptRun {
     fn take_part(
         &mut self,
         stream: StreamId,
-        part: &EventItems,
+        part: &EventBlock,
         place: &Place,
         parcels: &StationParcels,
     ) -> Result<bool, KeepError> {
-        if part.first <= self.taken {
+        if part.first_sequence <= self.taken {
             return Ok(true);
         }
         let is_whole = self.record.is_some()
@@ -190,7 +190,7 @@ impl KeptRun {
             }
             self.record = None;
         }
-        self.taken = part.first;
+        self.taken = part.first_sequence;
         if is_whole && let Some(folder) = self.folder(place) {
             ReplicaRun::keep_taken(&folder, self.taken, stream);
         }

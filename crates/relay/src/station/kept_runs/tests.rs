@@ -61,7 +61,9 @@ fn of_many_refused_runs_the_late_work_of_the_newest_is_dropped() {
     }
     assert!(kept.all.is_empty());
     assert_eq!(kept.refused.len(), REFUSED_MAX);
-    let part = || Work::Part(EventItems { first: 1, count: 1, t_before: 0, bytes: vec![0; 9] });
+    let part = || {
+        Work::Part(EventBlock { first_sequence: 1, count: 1, time_before: 0, bytes: vec![0; 9] })
+    };
     for number in 1..=REFUSED_MAX {
         kept.add(stream(number), part());
     }

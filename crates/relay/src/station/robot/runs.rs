@@ -13,7 +13,7 @@ use crate::words::{ReportedRunState, RunFate};
 use rafcon_link::{EventHash, RangeSet, StationSession, StreamId};
 use rafcon_protocol::api::RobotAnswer;
 use rafcon_protocol::{LinkHealth, LinkRun, OpenCommand, Snapshot, WatchedValue};
-use rafcon_storage::journal::EventItems;
+use rafcon_storage::journal::EventBlock;
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -174,7 +174,7 @@ impl StationRuns {
         &mut self,
         session: &mut StationSession,
         stream: StreamId,
-        items: EventItems,
+        items: EventBlock,
     ) {
         if self.refused.has(run_of_stream(stream)) {
             return;

@@ -12,4 +12,4 @@ pub use chain::Chain;
 pub use content::ValueContent;
 pub use incoming::IncomingContent;
 pub use replica::{Replica, ReplicaError};
-pub use source::{EventItems, EventSource};
+pub use source::EventSource;

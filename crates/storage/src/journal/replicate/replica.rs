@@ -1,11 +1,11 @@
 //! An ordinary journal that is written from received items.
 
-use super::EventItems;
 use crate::journal::record::{Batch, Broken, Stored};
-use crate::journal::stream::{EventBlock, StreamItem};
+use crate::journal::stream::{StreamBlock, StreamItem};
 use crate::journal::{
     About, Committed, Definition, Full, Hash, Journal, JournalError, Options, Pack, ResumePoint,
 };
+use rafcon_events::EventBlock;
 use std::path::Path;
 
 /// Journal of a run on another computer. It has all events without gaps, from the first one on.
@@ -70,15 +70,15 @@ impl Replica {
     }
 
     /// Appends the new events, if they continue the replica. Returns true if there were new events.
-    pub fn append(&mut self, items: &EventItems) -> Result<bool, ReplicaError> {
-        let EventItems { first, count, t_before, bytes } = items;
-        if *first > self.next || first + count <= self.next {
+    pub fn append(&mut self, block: &EventBlock) -> Result<bool, ReplicaError> {
+        let EventBlock { first_sequence: first, count, time_before, .. } = *block;
+        if first > self.next || block.last_sequence() < self.next {
             return Ok(false);
         }
         let mut batch = Batch::new(self.t_ns);
-        let (mut found, mut t_before_next) = (0, (*first == self.next).then_some(*t_before));
-        let block = EventBlock { first: *first, t_before: *t_before, items: bytes };
-        for item in block.items() {
+        let (mut found, mut t_before_next) = (0, (first == self.next).then_some(time_before));
+        let items = StreamBlock { first, t_before: time_before, items: &block.bytes };
+        for item in items.items() {
             match item? {
                 StreamItem::Place { from, number, place } if from >= self.next => {
                     batch.define(&Definition::Place(number, place));
@@ -98,8 +98,8 @@ impl Replica {
                 StreamItem::Place { .. } | StreamItem::Value { .. } => {}
             }
         }
-        if found != *count {
-            return Err(ReplicaError::Count { said: *count, found });
+        if found != count {
+            return Err(ReplicaError::Count { said: count, found });
         }
         if t_before_next != Some(self.t_ns) {
             return Err(ReplicaError::Diverged { next: self.next });
@@ -108,7 +108,7 @@ impl Replica {
             self.journal.commit()?;
             self.journal.append(&batch)?;
         }
-        (self.next, self.t_ns) = (first + count, batch.t_last());
+        (self.next, self.t_ns) = (block.last_sequence() + 1, batch.t_last());
         Ok(true)
     }
 

@@ -7,25 +7,13 @@ use crate::journal::record::{
     Content, Definition, Item, Kept, PlaceNumber, Record, Stored, ValueNumber,
 };
 use crate::journal::{Entry, JournalError, Place};
+use rafcon_events::EventBlock;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Interval, in events, at which the current definitions are recorded, so that reading may start there.
 const MARK_EVERY: u64 = 1_024;
-
-/// Consecutive events of a journal with the definitions that they are the first to need.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EventItems {
-    /// Number of the first event.
-    pub first: u64,
-    /// Number of consecutive events from `first` on.
-    pub count: u64,
-    /// Time of the event before them, in ns since the start of the run.
-    pub t_before: u64,
-    /// Encoded items of the events.
-    pub bytes: Vec<u8>,
-}
 
 /// Reader of a journal from any event on. The journal may grow.
 #[derive(Debug)]
@@ -109,10 +97,10 @@ impl EventSource {
         first: u64,
         last: u64,
         bytes_max: usize,
-    ) -> Result<Option<EventItems>, JournalError> {
+    ) -> Result<Option<EventBlock>, JournalError> {
         let part = |ahead: &Ahead| ahead.part(first, last, bytes_max);
-        if let Some(items) = self.ahead.as_ref().and_then(part) {
-            return Ok(Some(items));
+        if let Some(block) = self.ahead.as_ref().and_then(part) {
+            return Ok(Some(block));
         }
         let mut ends = Vec::new();
         let read = self.read_ahead(first, last, bytes_max.max(AHEAD_BYTES), &mut ends)?;
@@ -133,9 +121,10 @@ impl EventSource {
         last: u64,
         bytes_max: usize,
         ends: &mut Vec<(usize, u64)>,
-    ) -> Result<Option<EventItems>, JournalError> {
+    ) -> Result<Option<EventBlock>, JournalError> {
         let mut before = self.known_before(first)?;
-        let mut items = EventItems { first, count: 0, t_before: before.t_ns, bytes: Vec::new() };
+        let (first_sequence, time_before) = (first, before.t_ns);
+        let mut block = EventBlock { first_sequence, count: 0, time_before, bytes: Vec::new() };
         let places = self.reader.definitions(first..=last)?;
         let mut places = places.into_iter().peekable();
         let (mut lost, mut failed) = (None, None);
@@ -148,32 +137,32 @@ impl EventSource {
                 lost = Some(range);
                 return ControlFlow::Break(());
             }
-            let length = items.bytes.len();
+            let length = block.bytes.len();
             while let Some((_, number, place)) =
                 places.next_if(|(first, ..)| *first <= entry.sequence)
             {
-                define_place(number, place, &mut items.bytes);
+                define_place(number, place, &mut block.bytes);
             }
-            let (from, bytes) = (before.value, &mut items.bytes);
+            let (from, bytes) = (before.value, &mut block.bytes);
             if let Err(error) = define_values(reader, &entry.record, from, pickle_max, bytes) {
-                items.bytes.truncate(length);
+                block.bytes.truncate(length);
                 failed = Some(error);
                 return ControlFlow::Break(());
             }
             let behind = before.behind(&entry);
             let (mut t_before, t_ns) = (before.t_ns, entry.t_ns);
-            Item::Record(t_ns, entry.record).write(&mut t_before, &mut items.bytes);
-            if items.count > 0 && items.bytes.len() > bytes_max {
-                items.bytes.truncate(length);
+            Item::Record(t_ns, entry.record).write(&mut t_before, &mut block.bytes);
+            if block.count > 0 && block.bytes.len() > bytes_max {
+                block.bytes.truncate(length);
                 return ControlFlow::Break(());
             }
-            (before, items.count) = (behind, items.count + 1);
-            ends.push((items.bytes.len(), t_ns));
+            (before, block.count) = (behind, block.count + 1);
+            ends.push((block.bytes.len(), t_ns));
             ControlFlow::Continue(())
         })?;
-        if items.count > 0 {
+        if block.count > 0 {
             self.next = before;
-            return Ok(Some(items));
+            return Ok(Some(block));
         }
         match (failed, lost) {
             (Some(error), _) => Err(error),

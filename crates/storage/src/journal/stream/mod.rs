@@ -23,7 +23,7 @@ pub const NO_CONTENT: [u8; 2] = [3, 0];
 
 /// Consecutive events in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct EventBlock<'b> {
+pub struct StreamBlock<'b> {
     /// Number of the first event.
     pub first: u64,
     /// Time of the event before it, in ns.
@@ -66,7 +66,7 @@ pub enum StreamItem<'b> {
     },
 }
 
-impl<'b> EventBlock<'b> {
+impl<'b> StreamBlock<'b> {
     /// Appends the encoded block to `out`.
     pub fn write(&self, out: &mut Vec<u8>) {
         let mut writer = BinaryWriter::new(out);

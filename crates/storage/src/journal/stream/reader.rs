@@ -1,6 +1,6 @@
 //! Reader for a stream of events.
 
-use super::{EventBlock, StreamDefinitions, StreamItem};
+use super::{StreamBlock, StreamDefinitions, StreamItem};
 use crate::journal::read::is_about_values;
 use crate::journal::record::Broken;
 use rafcon_protocol::{Event, FrameError, FrameKind, ToViewer, decode};
@@ -56,13 +56,13 @@ impl StreamReader {
         bytes: &[u8],
         mut show: impl FnMut(u64, u64, Event),
     ) -> Result<(), Broken> {
-        EventBlock::read_all(bytes).try_for_each(|block| self.read_block(&block?, &mut show))
+        StreamBlock::read_all(bytes).try_for_each(|block| self.read_block(&block?, &mut show))
     }
 
     /// Reads one block of events.
     pub fn read_block(
         &mut self,
-        block: &EventBlock<'_>,
+        block: &StreamBlock<'_>,
         show: &mut impl FnMut(u64, u64, Event),
     ) -> Result<(), Broken> {
         for item in block.items() {

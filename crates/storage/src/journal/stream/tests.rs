@@ -1,7 +1,7 @@
 //! Streams and the events that a reader makes of them.
 
 use super::definitions::PlaceHistory;
-use super::{EventBlock, StreamDefinitions, StreamItem, StreamReader, VALUE_LIFE};
+use super::{StreamBlock, StreamDefinitions, StreamItem, StreamReader, VALUE_LIFE};
 use crate::journal::record::Content;
 use crate::journal::{About, Batch, Journal, Options};
 use crate::journal::{Definition, Item, Kept, Place, PlaceNumber, Record, Stored, ValueNumber};
@@ -42,7 +42,7 @@ fn block(first: u64, items: &[Item]) -> Vec<u8> {
     for item in items {
         item.write(&mut before, &mut bytes);
     }
-    EventBlock { first, t_before: 0, items: &bytes }.write(&mut out);
+    StreamBlock { first, t_before: 0, items: &bytes }.write(&mut out);
     out
 }
 
@@ -121,7 +121,7 @@ proptest! {
     fn any_bytes_are_a_stream_or_broken(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let mut reader = StreamReader::new(0, true, None);
         drop(reader.read(&bytes, |_, _, _| {}));
-        let block = EventBlock { first: u64::MAX, t_before: u64::MAX, items: &bytes };
+        let block = StreamBlock { first: u64::MAX, t_before: u64::MAX, items: &bytes };
         drop(reader.read_block(&block, &mut |_, _, _| {}));
     }
 }

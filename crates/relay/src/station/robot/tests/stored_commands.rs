@@ -5,7 +5,7 @@ use crate::carrier::Carrier;
 use crate::station::stored_command::{STORED_MAX, StoredCommands};
 use crate::words::StationRequest;
 use rafcon_link::{
-    CommandId, CommandState, EventBuffer, ReceivedCommand, RobotSession, RunSource, SenderStart,
+    CommandId, CommandState, EventBlock, ReceivedCommand, RobotSession, RunSource, SenderStart,
 };
 use rafcon_protocol::{CommandStage, Expiry};
 use rafcon_supervisor::clock;
@@ -18,7 +18,7 @@ use std::thread;
 struct NoRuns;
 
 impl RunSource for NoRuns {
-    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBuffer> {
+    fn events(&mut self, _: StreamId, _: u64, _: u64, _: usize) -> Option<EventBlock> {
         None
     }
 
