@@ -6,8 +6,11 @@
 //! without the salt, its associated data the header on the wire. After an acknowledged packet number, a short header is sent,
 //! and the receiver reconstructs the full one as in QUIC (RFC 9000, 17.1).
 
+mod header;
+
 use crate::replay_window::ReplayWindow;
-use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, Nonce, UnboundKey};
+use header::{few, full_header, nearest, nonce, salted_header, short_header};
+use ring::aead::{Aad, CHACHA20_POLY1305, LessSafeKey, NONCE_LEN, UnboundKey};
 use ring::hkdf::{self, HKDF_SHA256, Prk};
 use ring::rand::{SecureRandom as _, SystemRandom};
 use std::fmt;
@@ -238,19 +241,6 @@ pub enum For {
     Anyone,
 }
 
-/// A header as it is sent.
-#[derive(Debug, Clone, Copy)]
-struct Header {
-    bytes: [u8; SALTED_HEADER],
-    length: usize,
-}
-
-impl Header {
-    fn sent(&self) -> &[u8] {
-        &self.bytes[..self.length]
-    }
-}
-
 impl Sealer {
     /// For what the robot of this name sends (`Down`), or is sent (`Up`). The generation has to be on disk already.
     pub fn new(
@@ -460,56 +450,6 @@ impl Opener {
         }
         Ok(())
     }
-}
-
-/// The last bits of a generation.
-fn few(generation: Generation) -> u8 {
-    generation.0.to_le_bytes()[0] & FEW
-}
-
-/// The packet number with these last bits that is nearest to what is expected.
-fn nearest(expected: u64, last: u16) -> u64 {
-    let half = SHORT_NUMBERS / 2;
-    let number = expected - expected % SHORT_NUMBERS + u64::from(last);
-    if number + half <= expected && number + SHORT_NUMBERS < NUMBERS {
-        number + SHORT_NUMBERS
-    } else if number > expected + half && number >= SHORT_NUMBERS {
-        number - SHORT_NUMBERS
-    } else {
-        number
-    }
-}
-
-fn short_header(KeyId(key): KeyId, generation: Generation, number: u64) -> Header {
-    let first = IS_SHORT | few(generation) << 5 | (key & FEW) << 3 | VERSION;
-    let [.., n0, n1] = number.to_be_bytes();
-    let mut bytes = [0; SALTED_HEADER];
-    bytes[..SHORT_HEADER].copy_from_slice(&[first, n0, n1]);
-    Header { bytes, length: SHORT_HEADER }
-}
-
-fn full_header(key: KeyId, generation: Generation, number: u64) -> Header {
-    let mut bytes = [0; SALTED_HEADER];
-    bytes[..HEADER].copy_from_slice(&nonce_bytes(key, generation, number));
-    Header { bytes, length: HEADER }
-}
-
-fn salted_header(key: KeyId, start: SenderStart, number: u64) -> Header {
-    let mut header = full_header(key, start.generation, number);
-    header.bytes[0] |= IS_SALTED;
-    header.bytes[HEADER..].copy_from_slice(&start.salt.0.to_be_bytes());
-    Header { length: SALTED_HEADER, ..header }
-}
-
-fn nonce_bytes(KeyId(key): KeyId, generation: Generation, number: u64) -> [u8; HEADER] {
-    let [g0, g1, g2, g3] = generation.0.to_be_bytes();
-    let [_, _, n0, n1, n2, n3, n4, n5] = number.to_be_bytes();
-    [VERSION, key, g0, g1, g2, g3, n0, n1, n2, n3, n4, n5]
-}
-
-/// The full header without the salt, which is part of the key. Each datagram under one key has a distinct header.
-fn nonce(key: KeyId, generation: Generation, number: u64) -> Nonce {
-    Nonce::assume_unique_for_key(nonce_bytes(key, generation, number))
 }
 
 /// The key of one direction and start.

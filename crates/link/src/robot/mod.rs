@@ -9,10 +9,12 @@ mod coded;
 mod large;
 mod outgoing;
 mod parts;
+mod receive;
 mod scheduled_commands;
 mod snapshots;
 mod source;
 mod tail;
+mod transmit;
 mod values;
 mod watched;
 
@@ -22,19 +24,14 @@ pub use source::RunSource;
 pub(crate) use watched::WATCH_BYTES_MAX;
 pub use watched::{NewestValue, VALUE_BYTES_MAX, WatchSubscription};
 
-use crate::bytes::write_number;
-use crate::endpoint::{Arrived, Endpoint, Identity, Unusable};
-use crate::frame::{
-    self, Body, CommandId, CommandState, EventHash, Fetch, Frame, Received, StreamId, Terms,
-    ValueFrame,
-};
-use crate::path_size::LENGTH_MIN;
-use crate::profile::{CARRIER_OVERHEAD, Profile};
-use crate::seal::{Direction, For, Generation, Horizon, KeyId, OVERHEAD, PairingKey, SealError};
-use crate::send_rate::{Arrivals, SendRate};
+use crate::endpoint::{Endpoint, Identity};
+use crate::frame::{CommandId, CommandState, EventHash, StreamId};
+use crate::profile::Profile;
+use crate::seal::{Direction, Generation, Horizon, KeyId, OVERHEAD, PairingKey};
+use crate::send_rate::SendRate;
 use crate::traffic::Traffic;
 use bulk::Bulk;
-use outgoing::{Outgoing, TransmitContext};
+use outgoing::Outgoing;
 use parts::IncompleteCommands;
 use rafcon_events::EventBlockRef;
 use scheduled_commands::ScheduledCommands;
@@ -318,266 +315,9 @@ impl RobotSession {
         self.streams.get(&stream).map(Outgoing::progress)
     }
 
-    /// Takes a datagram; passes on each command once in this start. A late one counts as expired, unless the receiver knows a fate from an
-    /// earlier start and sets it.
-    pub fn receive(
-        &mut self,
-        now: Duration,
-        datagram: &mut [u8],
-        mut carry_out: impl FnMut(ReceivedCommand),
-    ) -> Result<(), Unusable> {
-        let Arrived { frames, is_new_start, at_ms, .. } = self.end.open(now, datagram)?;
-        if is_new_start {
-            self.streams.values_mut().for_each(Outgoing::station_started);
-        }
-        let (mut echo, mut reports, mut fetches) = (None, Vec::new(), Vec::new());
-        let (mut newest, mut arrived) = (None, None);
-        for frame in frames {
-            match frame? {
-                Frame::Heard { start, number, newest_ms, held_ms, late_ms }
-                    if start == self.end.start.generation =>
-                {
-                    self.end.confirm(number);
-                    echo = Some((newest_ms, late_ms));
-                    newest = Some((newest_ms, at_ms.saturating_sub(held_ms)));
-                }
-                Frame::Arrived { bytes, longest } => arrived = Some((bytes, longest)),
-                Frame::Received(received) => reports.push(received),
-                Frame::Value(frame) => self.take(frame, &mut fetches),
-                Frame::Command(frame::Command { id, terms, body }) => {
-                    if let Some(state) = self.states.get_mut(&id) {
-                        (state.sends, state.due) = (0, now);
-                        continue;
-                    }
-                    let whole = match body {
-                        Body::Whole(bytes) => Some(bytes.to_vec()),
-                        Body::Parts(length) => self.incomplete.take_head(now, id, length, terms),
-                    };
-                    let passed = whole.and_then(|body| self.take_command(now, id, terms, body));
-                    passed.into_iter().for_each(&mut carry_out);
-                }
-                Frame::CommandPart(part) if !self.states.contains_key(&part.id) => {
-                    let whole = self.incomplete.take_part(now + self.profile.gather, &part);
-                    let passed = whole
-                        .and_then(|(terms, body)| self.take_command(now, part.id, terms, body));
-                    passed.into_iter().for_each(&mut carry_out);
-                }
-                _ => {}
-            }
-        }
-        self.report(now, echo, reports);
-        if let (Some((newest_ms, arrived_ms)), Some((bytes, longest))) = (newest, arrived) {
-            let arrivals = Arrivals { bytes, at_ms, newest_ms, arrived_ms };
-            self.rate.report(now, arrivals, self.report_age.unwrap_or_default());
-            let sends = self.rate.sends();
-            self.streams.values_mut().for_each(|stream| stream.set_sends(sends));
-            let late_ms = echo.map_or(0, |(_, late_ms)| late_ms);
-            let longest = usize::try_from(longest).unwrap_or(usize::MAX);
-            if self.end.path.report(now, longest, bytes, newest_ms.saturating_sub(late_ms)) {
-                self.streams.values_mut().for_each(Outgoing::datagrams_shortened);
-            }
-        }
-        for fetch in fetches {
-            self.values.wanted(now, fetch, echo, &self.profile);
-        }
-        Ok(())
-    }
-
-    /// Returns a new command that is to be passed on; keeps it if its time has not come.
-    fn take_command(
-        &mut self,
-        now: Duration,
-        id: CommandId,
-        terms: Terms,
-        body: Vec<u8>,
-    ) -> Option<ReceivedCommand> {
-        let Terms { robot_start, not_after_ms, not_before_ms, epoch } = terms;
-        let is_late = robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
-        let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, is_late, body };
-        let (state, why, passed) = if is_late {
-            (CommandState::Expired, "", Some(new))
-        } else if now_ms(now) >= not_before_ms {
-            (CommandState::Received, "", Some(new))
-        } else if self.scheduled.add(new) {
-            (CommandState::Received, "", None)
-        } else {
-            (CommandState::Refused, scheduled_commands::TOO_MANY, None)
-        };
-        self.set_command_state(now, id, state, why);
-        passed
-    }
-
-    /// Passes on each command whose time has come, once.
-    pub fn take_due(&mut self, now: Duration, mut carry_out: impl FnMut(ReceivedCommand)) {
-        while let Some(command) = self.scheduled.take(now_ms(now)) {
-            if now_ms(now) > command.not_after_ms {
-                self.set_command_state(now, command.id, CommandState::Expired, "");
-            } else {
-                carry_out(command);
-            }
-        }
-    }
-
-    fn take(&mut self, frame: ValueFrame<'_>, fetches: &mut Vec<Fetch>) {
-        match frame {
-            ValueFrame::Fetch(fetch) => fetches.push(fetch),
-            // One that has no room does not count, so the station repeats it.
-            ValueFrame::Watch(part)
-                if self.subscriptions.len() < SUBSCRIPTIONS_MAX
-                    && self.streams.contains_key(&part.stream) =>
-            {
-                self.subscriptions.extend(self.watched.add_part(&part));
-            }
-            _ => {}
-        }
-    }
-
-    fn report(&mut self, now: Duration, echo: Option<(u64, u64)>, reports: Vec<Received>) {
-        let age = echo.map(|(newest_ms, _)| now.saturating_sub(Duration::from_millis(newest_ms)));
-        self.report_age = self.report_age.into_iter().chain(age).min();
-        let usual = self.report_age.unwrap_or_default() * 2 + self.profile.silence();
-        let is_late = age.is_none_or(|age| age > usual);
-        for mut received in reports {
-            if is_late {
-                // It waited somewhere while the link was cut: since then, the station may have started again.
-                (received.context, received.snapshot) = (None, None);
-            }
-            if let Some(stream) = self.streams.get_mut(&received.stream) {
-                stream.report(now, received, echo, &self.profile);
-            }
-        }
-    }
-
-    /// The next datagram, if one is due.
-    pub fn transmit(
-        &mut self,
-        now: Duration,
-        source: &mut impl RunSource,
-    ) -> Result<Option<Vec<u8>>, SealError> {
-        let is_heard = self.is_heard(now);
-        if !is_heard && now >= self.profile.silence() {
-            self.rate.unheard();
-        }
-        let is_urgent = self.urgent_at(is_heard) <= now;
-        // An urgent datagram may leave somewhat before its turn, so that it does not wait behind bulk.
-        let may_send =
-            self.end.pacer.free_at() <= now + if is_urgent { self.slack() } else { Duration::ZERO };
-        if !may_send {
-            return Ok(None);
-        }
-        let room = self.end.path.next_max(is_heard) - self.end.overhead(is_heard);
-        let mut payload = Vec::with_capacity(room);
-        write_number(now_ms(now), &mut payload);
-        let empty = payload.len();
-        self.write_states(now, room, &mut payload);
-        self.incomplete.write(now, self.profile.repeat_after, room, &mut payload);
-        self.write_offer(now, &mut payload);
-        let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
-        let was_silent = self.alive_at() <= now;
-        let mut shows_status = was_silent;
-        for stream in self.streams.values_mut() {
-            shows_status |= stream.write_urgent(turn, source, &mut payload);
-        }
-        if shows_status {
-            let calendar = self.calendar_ms.map(|began_ms| Frame::Calendar { began_ms });
-            let arrived =
-                self.end.heard.arrived().filter(|_| self.profile.up_bytes_max > LENGTH_MIN);
-            let frames = [self.end.heard.frame(now), arrived, calendar];
-            for frame in frames.into_iter().flatten() {
-                // The rest is sent with the next status.
-                let length = payload.len();
-                frame.write(&mut payload);
-                if payload.len() > room {
-                    payload.truncate(length);
-                }
-            }
-        }
-        if self.end.pacer.free_at() <= now {
-            // The present state of no run waits for the history of another.
-            for stream in self.streams.values_mut() {
-                stream.write_snapshot(turn, source, &mut payload);
-            }
-            for (id, stream) in &self.streams {
-                let behind = Behind { is_heard, from: stream.lacks_from() };
-                self.watched.write(*id, behind, turn, &mut payload);
-            }
-            self.bulk.write((&mut self.streams, &mut self.values), turn, source, &mut payload);
-        }
-        if payload.len() == empty && !was_silent {
-            return Ok(None);
-        }
-        self.sent_at = Some(now);
-        // A new receiver with the key learns the present start from the status.
-        let whom = match (is_heard, shows_status) {
-            (true, false) => For::Confirmed,
-            (true, true) => For::Listener,
-            (false, _) => For::Anyone,
-        };
-        self.end.pacer.set_rate(self.rate.bits_per_s());
-        let datagram = self.end.seal(now, whom, &payload)?;
-        self.rate.sent(now, datagram.len() + CARRIER_OVERHEAD);
-        Ok(Some(datagram))
-    }
-
-    /// When something may be due next; earlier if anything is received or appended.
-    pub fn next_transmit(&self, now: Duration) -> Duration {
-        let is_heard = self.is_heard(now);
-        let free_at = self.end.pacer.free_at();
-        let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));
-        let bulk = self.streams.values().map(|stream| stream.bulk_at(is_heard, &self.profile));
-        let watched = self.watched.due_at(|stream| self.behind(stream, is_heard));
-        let values = if is_heard { self.values.due_at() } else { Duration::MAX };
-        let bulk = bulk.min().unwrap_or(Duration::MAX).min(watched).min(values);
-        bulk.max(free_at).min(urgent).min(self.scheduled.due_at()).max(now)
-    }
-
-    /// Time of the next keep-alive, from which a restarted station learns the robot's address.
-    fn alive_at(&self) -> Duration {
-        self.sent_at.map_or(Duration::ZERO, |at| at + self.profile.status_every * 4)
-    }
-
-    fn urgent_at(&self, is_heard: bool) -> Duration {
-        let states = self.states.values().filter(|state| state.sends < STATE_SENDS);
-        let states = states.map(|state| state.due).min().unwrap_or(Duration::MAX);
-        let streams = self.streams.values().map(|stream| stream.urgent_at(&self.profile, is_heard));
-        let offer = self.offered.as_ref().map_or(Duration::MAX, |(.., due)| *due);
-        let incomplete = self.incomplete.due_at();
-        let urgent = streams.min().unwrap_or(Duration::MAX).min(states).min(incomplete);
-        urgent.min(self.alive_at()).min(offer)
-    }
-
     /// True if reports of the station arrive.
     pub fn is_heard(&self, now: Duration) -> bool {
         self.end.heard.before(now).is_some_and(|before| before < self.profile.silence())
-    }
-
-    /// Send time of two full datagrams.
-    fn slack(&self) -> Duration {
-        let bits = self.profile.down_bytes_max as u64 * 2 * 8;
-        Duration::from_nanos(bits * 1_000_000_000 / self.rate.bits_per_s())
-    }
-
-    fn write_offer(&mut self, now: Duration, payload: &mut Vec<u8>) {
-        if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now) {
-            Frame::NewKey { id: *id, key: key.clone() }.write(payload);
-            *due = now + self.profile.status_every * 4;
-        }
-    }
-
-    fn write_states(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
-        let due =
-            self.states.iter_mut().filter(|(_, sent)| sent.sends < STATE_SENDS && sent.due <= now);
-        for (id, sent) in due {
-            let length = payload.len();
-            let SentState { state, reason, .. } = &*sent;
-            Frame::CommandState { id: *id, state: *state, reason }.write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
-                break;
-            }
-            sent.sends += 1;
-            sent.due = now + self.profile.repeat_after;
-        }
     }
 }
 

@@ -288,7 +288,7 @@ proptest! {
     fn a_number_is_told_from_its_last_bits(newest in 0..super::NUMBERS - 40_000, off in -32_767..32_767_i64) {
         let number = newest.saturating_add_signed(off);
         let [.., n0, n1] = number.to_be_bytes();
-        prop_assert_eq!(super::nearest(newest, u16::from_be_bytes([n0, n1])), number);
+        prop_assert_eq!(super::header::nearest(newest, u16::from_be_bytes([n0, n1])), number);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The streams of a robot. Open streams expect events; a settled one is a number.
 
-use super::{Incoming, LAST_REPORTS};
+use super::incoming::{Incoming, LAST_REPORTS};
 use crate::frame::StreamId;
 use crate::range_set::RangeSet;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
