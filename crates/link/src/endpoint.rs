@@ -4,6 +4,7 @@ use crate::bytes::BrokenFrame;
 use crate::frame::{Frame, read_payload};
 use crate::heard::Heard;
 use crate::path_size::PathSize;
+use crate::payload_writer::PayloadWriter;
 use crate::profile::{Pacer, Profile};
 use crate::seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
@@ -132,19 +133,36 @@ impl Endpoint {
         }
     }
 
-    /// Opens what is sealed with another key: its start and number, and how long the payload is, which is at the front of the datagram
-    /// then.
-    fn open_with_another(&mut self, datagram: &mut [u8]) -> Option<(Generation, u64, usize)> {
-        for other in &mut self.others {
-            let mut copy = datagram.to_vec();
-            if let Ok(opened) = other.opener.open(&mut copy) {
-                self.heard_key = Some(other.id);
-                let length = opened.payload.len();
-                datagram.get_mut(..length)?.copy_from_slice(opened.payload);
-                return Some((opened.generation, opened.number, length));
-            }
+    /// Opens a datagram with the key that its header names.
+    fn open_sealed<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Opened<'d>, Rejected> {
+        let is_own = self.opener.is_named_by(datagram);
+        let is_named = |other: &&mut OtherKey| other.opener.is_named_by(datagram);
+        let mut named: Vec<_> = self.others.iter_mut().filter(is_named).collect();
+        if let [only] = &mut named[..]
+            && !is_own
+        {
+            let opened = only.opener.open(datagram).map_err(|failed| match failed {
+                Rejected::TooShort(_) | Rejected::Version(_) => failed,
+                _ => Rejected::Key(only.id),
+            })?;
+            self.heard_key = Some(only.id);
+            return Ok(opened);
         }
-        None
+        // Two bits of a short header can name several keys, and a failed attempt changes the bytes.
+        let opened = named.into_iter().find_map(|other| {
+            let mut copy = datagram.to_vec();
+            let Opened { generation, number, payload } = other.opener.open(&mut copy).ok()?;
+            Some((other.id, generation, number, payload.to_vec()))
+        });
+        if let Some((id, generation, number, plain)) = opened {
+            self.heard_key = Some(id);
+            let payload = &mut datagram[..plain.len()];
+            payload.copy_from_slice(&plain);
+            return Ok(Opened { generation, number, payload });
+        }
+        let opened = self.opener.open(datagram)?;
+        self.heard_key = Some(self.key_id);
+        Ok(opened)
     }
 
     /// Latest state of the other side, for the disk.
@@ -172,15 +190,13 @@ impl Endpoint {
         &mut self,
         now: Duration,
         whom: For,
-        payload: &[u8],
+        payload: &PayloadWriter,
     ) -> Result<Vec<u8>, SealError> {
         let mut datagram = Vec::with_capacity(payload.len() + OVERHEAD);
-        self.sealer.seal(whom, payload, &mut datagram)?;
+        self.sealer.seal(whom, payload.bytes(), &mut datagram)?;
         self.sent.count_datagram(datagram.len());
-        if let Ok((_, frames)) = read_payload(payload) {
-            for (frame, length) in frames.flatten() {
-                self.sent.count_frame(&frame, length);
-            }
+        for (kind, length) in payload.frames() {
+            self.sent.count_frame(kind, *length);
         }
         self.pacer.spend(now, datagram.len());
         self.path.sent(now, datagram.len());
@@ -194,20 +210,13 @@ impl Endpoint {
         datagram: &'d mut [u8],
     ) -> Result<Arrived<'d>, Unusable> {
         let length = datagram.len();
-        let (generation, number, payload): (_, _, &'d [u8]) =
-            if let Some((generation, number, length)) = self.open_with_another(datagram) {
-                (generation, number, &datagram[..length])
-            } else {
-                let Opened { generation, number, payload } = self.opener.open(datagram)?;
-                self.heard_key = Some(self.key_id);
-                (generation, number, payload)
-            };
+        let Opened { generation, number, payload } = self.open_sealed(datagram)?;
         let (at_ms, frames) = read_payload(payload)?;
         self.received.count_datagram(length);
         let received = &mut self.received;
         let counted = frames.map(|frame| {
             let (frame, length) = frame?;
-            received.count_frame(&frame, length);
+            received.count_frame(frame.kind(), length);
             Ok(frame)
         });
         let frames = counted.collect();

@@ -16,6 +16,7 @@ mod loss_rate;
 #[cfg(test)]
 mod many_runs;
 mod path_size;
+mod payload_writer;
 mod profile;
 mod range_set;
 mod replay_window;

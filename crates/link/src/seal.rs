@@ -358,6 +358,15 @@ impl Opener {
         Some(Horizon { start: newest.start, number: newest.window.newest()? })
     }
 
+    /// True if the header of a datagram names this key. A short header names it by two bits.
+    pub(crate) fn is_named_by(&self, datagram: &[u8]) -> bool {
+        match *datagram {
+            [first, ..] if first & IS_SHORT != 0 => first >> 3 & FEW == self.key_id.0 & FEW,
+            [_, key, ..] => key == self.key_id.0,
+            _ => false,
+        }
+    }
+
     /// Opens a datagram in its place.
     pub fn open<'d>(&mut self, datagram: &'d mut [u8]) -> Result<Opened<'d>, Rejected> {
         let length = datagram.len();

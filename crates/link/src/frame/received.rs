@@ -1,8 +1,9 @@
 //! The report of a station about one run.
 
-use super::{RANGES_MAX, StreamId, read_flag};
+use super::{Frame, RANGES_MAX, StreamId, read_flag};
 use crate::bytes::{BrokenFrame, FrameReader, write_number};
 use crate::coding::ContextName;
+use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use crate::station::LARGE_MAX;
 
@@ -39,19 +40,17 @@ pub(crate) struct PartialEvent {
 }
 
 impl Received {
-    /// Appends the frame if it has room.
-    pub(crate) fn write_into(&self, room: usize, out: &mut Vec<u8>) -> bool {
-        let length = out.len();
-        write_received(self, out);
-        let has_room = out.len() <= room;
-        if !has_room {
-            out.truncate(length);
-        }
-        has_room
+    /// Appends the frame, shortened until it fits.
+    pub(crate) fn write_shortened(self, payload: &mut PayloadWriter) {
+        let mut frame = Frame::Received(self);
+        while !payload.try_frame(&frame)
+            && let Frame::Received(received) = &mut frame
+            && received.shorten()
+        {}
     }
 
     /// Drops what the robot needs least. Returns false if nothing is left that can be dropped.
-    pub(crate) fn shorten(&mut self) -> bool {
+    fn shorten(&mut self) -> bool {
         if !self.partial.is_empty() {
             self.partial.clear();
         } else if self.snapshot.take().is_none() && self.context.take().is_none() {
@@ -168,6 +167,8 @@ pub(super) fn read_ranges(reader: &mut FrameReader<'_>) -> Result<RangeSet, Brok
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frame::read_payload;
+    use std::time::Duration;
 
     #[test]
     fn a_report_becomes_as_short_as_the_room_needs() {
@@ -185,10 +186,14 @@ mod tests {
         };
         let mut lengths = Vec::new();
         for room in [400, 300, 150, 100, 70, 40] {
-            let mut out = Vec::new();
-            while !received.write_into(room, &mut out) && received.shorten() {}
-            assert!((1..=room).contains(&out.len()), "{} of {room}", out.len());
-            lengths.push((out.len(), received.partial.len(), received.events.ranges_count()));
+            let mut out = PayloadWriter::new(Duration::ZERO, 1 + room);
+            received.clone().write_shortened(&mut out);
+            let (_, mut frames) = read_payload(out.bytes()).expect("a time");
+            let Some(Ok((Frame::Received(shortened), length))) = frames.next() else {
+                panic!("no report in {room} bytes")
+            };
+            lengths.push((length, shortened.partial.len(), shortened.events.ranges_count()));
+            received = shortened;
         }
         assert_eq!(received.events.contiguous(), 0);
         assert_eq!(lengths.last().map(|(_, partial, _)| *partial), Some(0));

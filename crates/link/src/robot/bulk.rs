@@ -4,6 +4,7 @@ use super::outgoing::{Outgoing, TransmitContext};
 use super::source::RunSource;
 use super::values::Values;
 use crate::frame::StreamId;
+use crate::payload_writer::PayloadWriter;
 use std::collections::BTreeMap;
 
 /// Without an up-link, one in this many datagrams begins with files that the sent runs need, and one in `AHEAD_TURN` with
@@ -53,7 +54,7 @@ impl Bulk {
         (streams, values): (&mut BTreeMap<StreamId, Outgoing>, &mut Values),
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         self.turns += 1;
         if !turn.is_heard {
@@ -94,7 +95,7 @@ impl Bulk {
         streams: &mut BTreeMap<StreamId, Outgoing>,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let is_events = |id: &&StreamId| self.rank(**id) == Rank::Events;
         let ids: Vec<_> = streams.keys().filter(is_events).copied().collect();
@@ -116,7 +117,7 @@ impl Bulk {
         rank: Rank,
         streams: &mut BTreeMap<StreamId, Outgoing>,
         turn: TransmitContext<'_>,
-        (source, payload): (&mut impl RunSource, &mut Vec<u8>),
+        (source, payload): (&mut impl RunSource, &mut PayloadWriter),
     ) {
         for (_, stream) in streams.iter_mut().filter(|(id, _)| self.rank(**id) == rank) {
             stream.write_bulk(turn, source, payload);

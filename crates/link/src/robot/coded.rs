@@ -4,6 +4,7 @@ use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::coding::{CONTEXT_MAX, ContextId, ContextName, LastCoder, PLAIN_MAX};
 use crate::frame::{Frame, Packing, StreamId};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Compression;
 use rafcon_events::EventBlockRef;
 
@@ -95,13 +96,13 @@ impl Coding {
         stream: StreamId,
         block: EventBlockRef<'_>,
         turn: TransmitContext<'_>,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> bool {
         let written = self.is_used(turn).then(|| self.write(stream, block, usize::MAX, payload));
         if let Some(Ok(is_coded)) = written {
             return is_coded;
         }
-        Frame::Events { stream, block }.write(payload);
+        payload.fitting_frame(&Frame::Events { stream, block });
         false
     }
 
@@ -112,7 +113,7 @@ impl Coding {
         stream: StreamId,
         block: EventBlockRef<'_>,
         coded_max: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> Result<bool, usize> {
         let plain = block.bytes.len();
         let Some((name, items)) = self.used.as_ref().filter(|_| plain <= PLAIN_MAX) else {
@@ -127,9 +128,9 @@ impl Coding {
         if is_coded {
             let length = u32::try_from(plain).unwrap_or(u32::MAX);
             let block = EventBlockRef { bytes: &coded, ..block };
-            Frame::Coded { context: name.id(), length, stream, block }.write(payload);
+            payload.fitting_frame(&Frame::Coded { context: name.id(), length, stream, block });
         } else {
-            Frame::Events { stream, block }.write(payload);
+            payload.fitting_frame(&Frame::Events { stream, block });
         }
         Ok(is_coded)
     }

@@ -4,6 +4,7 @@ use super::coded::Coding;
 use super::outgoing::{TransmitContext, next_part, small};
 use crate::deflate::deflate;
 use crate::frame::{Frame, Packing, PartialEvent, StreamId};
+use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use rafcon_events::EventBlock;
 
@@ -73,7 +74,7 @@ impl LargeEvent {
     }
 
     /// Writes the next part that the station lacks, if it has room. Returns true after the last part.
-    pub(super) fn write(&mut self, stream: StreamId, room: usize, payload: &mut Vec<u8>) -> bool {
+    pub(super) fn write(&mut self, stream: StreamId, payload: &mut PayloadWriter) -> bool {
         let length = self.bytes.len();
         let all = RangeSet::default();
         let lacking = self.here.first_gap(&all, self.sent as u64 + 1, length as u64);
@@ -83,15 +84,21 @@ impl LargeEvent {
         };
         let place = |number: u64| usize::try_from(number).unwrap_or(length).min(length);
         let (start, end) = (place(lacking.start() - 1), place(*lacking.end()));
-        let room = room.saturating_sub(payload.len());
-        let (offset, part) = next_part(&self.bytes[..end], start, room);
+        let (offset, part) = next_part(&self.bytes[..end], start, payload.left());
         if part.is_empty() {
             return false;
         }
         let Self { first, time_before, packing, .. } = *self;
         let length = small(length);
-        Frame::Large { stream, first, time_before, packing, length, offset, bytes: part }
-            .write(payload);
+        payload.fitting_frame(&Frame::Large {
+            stream,
+            first,
+            time_before,
+            packing,
+            length,
+            offset,
+            bytes: part,
+        });
         self.sent = start + part.len();
         !self.is_sending()
     }

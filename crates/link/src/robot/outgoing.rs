@@ -10,6 +10,7 @@ use super::tail::{self, Tail};
 use crate::assembly::PART_MIN;
 use crate::frame::{EventHash, Frame, Received, StreamId, block_bytes_max};
 use crate::loss_rate::LossRate;
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use rafcon_events::EventBlockRef;
@@ -40,8 +41,6 @@ pub(super) struct TransmitContext<'p> {
     pub(super) profile: &'p Profile,
     /// True if the station sends reports.
     pub(super) is_heard: bool,
-    /// The longest payload.
-    pub(super) room: usize,
 }
 
 /// A run on its way to the station.
@@ -338,9 +337,9 @@ impl Outgoing {
         &mut self,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> bool {
-        let TransmitContext { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard } = turn;
         if self.urgent_at(profile, is_heard) > now {
             return false;
         }
@@ -359,10 +358,7 @@ impl Outgoing {
             state: &self.state,
             chain: self.chain,
         };
-        let length = payload.len();
-        frame.write(payload);
-        if payload.len() > room {
-            payload.truncate(length);
+        if !payload.try_frame(&frame) {
             return false;
         }
         (self.status_at, self.shown_at, self.is_state_new) = (Some(now), Some(now), false);
@@ -372,7 +368,7 @@ impl Outgoing {
         true
     }
 
-    fn write_tail(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) {
+    fn write_tail(&mut self, turn: TransmitContext<'_>, payload: &mut PayloadWriter) {
         let sends_max = self.tail_sends(turn.is_heard);
         let written = self.tail.write(sends_max, turn, &mut self.coding, payload);
         let Some(written) = written else {
@@ -421,7 +417,7 @@ impl Outgoing {
         &mut self,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         if !self.has_all() {
             let run = (self.id, self.head, &mut self.tail);

@@ -2,6 +2,7 @@
 
 use crate::assembly::Assembly;
 use crate::frame::{CommandId, CommandPart, Frame, PartsHere, Terms};
+use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -70,15 +71,11 @@ impl IncompleteCommands {
         &mut self,
         now: Duration,
         repeat_after: Duration,
-        room: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let is_due = |it: &&mut Incomplete| it.reports_left > 0 && it.report_at <= now;
         for command in self.0.iter_mut().filter(is_due) {
-            let length = payload.len();
-            Frame::PartsHere(command.here()).write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            if !payload.try_frame(&Frame::PartsHere(command.here())) {
                 break;
             }
             command.reports_left -= 1;
@@ -181,13 +178,12 @@ mod tests {
         let mut commands = IncompleteCommands::default();
         let (at, again) = (Duration::from_millis(10), Duration::from_millis(50));
         assert!(commands.take_part(at, &part(1, 2)).is_none());
-        let mut payload = Vec::new();
-        commands.write(Duration::ZERO, again, 1_000, &mut payload);
-        assert_eq!((payload.len(), commands.due_at()), (0, at));
-        commands.write(at, again, 1_000, &mut payload);
+        let mut payload = PayloadWriter::new(at, 1_000);
+        commands.write(Duration::ZERO, again, &mut payload);
+        assert_eq!((payload.is_empty(), commands.due_at()), (true, at));
+        commands.write(at, again, &mut payload);
         assert_eq!(commands.due_at(), at + again);
-        let mut twice = payload.clone();
-        commands.write(at + again, again, 1_000, &mut twice);
-        assert_eq!((twice.len(), commands.due_at()), (payload.len() * 2, Duration::MAX));
+        commands.write(at + again, again, &mut payload);
+        assert_eq!((payload.frames().len(), commands.due_at()), (2, Duration::MAX));
     }
 }

@@ -8,6 +8,7 @@ use crate::assembly::LENGTH_MAX;
 use crate::coding::{ContextName, SentSnapshots};
 use crate::deflate::deflate;
 use crate::frame::{Frame, StreamId};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use std::time::Duration;
 
@@ -18,8 +19,6 @@ const STATUSES: u32 = 480;
 const ROUNDS: u32 = 4;
 /// Number of datagrams up to which a snapshot usually arrives whole. A newer one replaces such a snapshot in the next round.
 const SHORT: usize = 2;
-/// Longest payload that holds only the time of its sender, in bytes.
-const EMPTY_MAX: usize = 10;
 /// Without reports, a whole snapshot is sent in this time, as long as that takes at most half of the rate.
 const EVERY: Duration = Duration::from_millis(200);
 
@@ -107,16 +106,17 @@ impl Snapshots {
         (run, head, tail): (StreamId, u64, &mut Tail),
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
-        let TransmitContext { now, profile, is_heard, room } = turn;
-        let is_alone = payload.len() <= EMPTY_MAX;
+        let TransmitContext { now, profile, is_heard } = turn;
+        let is_alone = payload.is_empty();
         let due_at = if is_alone { Self::alone_at } else { Self::due_at };
         if due_at(self, is_heard, profile) > now {
             return;
         }
+        let bytes_max = payload.bytes_max();
         let goes_on = |parts: &Parts| {
-            let is_long = parts.deflated.len() > room * SHORT;
+            let is_long = parts.deflated.len() > bytes_max * SHORT;
             let again = !is_heard && is_long && parts.rounds < ROUNDS;
             parts.sent > 0 || again && tail.continues(parts.sequence, head)
         };
@@ -129,7 +129,7 @@ impl Snapshots {
             };
             let coded = if is_heard { self.sent.encode(&plain) } else { None };
             if let Some((context, coded)) = coded
-                && coded.len() < room / 2
+                && coded.len() < bytes_max / 2
             {
                 let (length, bytes) = (small(plain.len()), coded.as_slice());
                 let frame = Frame::CodedSnapshot { context, stream: run, sequence, length, bytes };
@@ -151,12 +151,9 @@ impl Snapshots {
         &mut self,
         frame: &Frame<'_>,
         turn: TransmitContext<'_>,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> bool {
-        let before = payload.len();
-        frame.write(payload);
-        if payload.len() > turn.room {
-            payload.truncate(before);
+        if !payload.try_frame(frame) {
             return false;
         }
         (self.need, self.parts, self.begun_at) = (Need::None, None, Some(turn.now));
@@ -168,13 +165,13 @@ impl Snapshots {
         stream: StreamId,
         tail: &mut Tail,
         turn: TransmitContext<'_>,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
-        let TransmitContext { now, profile, is_heard, room } = turn;
+        let TransmitContext { now, profile, is_heard } = turn;
         let Some(Parts { sequence, plain, deflated, sent, rounds }) = &mut self.parts else {
             return;
         };
-        let (offset, part) = next_part(deflated, *sent, room.saturating_sub(payload.len()));
+        let (offset, part) = next_part(deflated, *sent, payload.left());
         if part.is_empty() && !deflated.is_empty() {
             return;
         }
@@ -186,7 +183,7 @@ impl Snapshots {
             }
         }
         let (sequence, length) = (*sequence, small(deflated.len()));
-        Frame::Snapshot { stream, sequence, length, offset, bytes: part }.write(payload);
+        payload.fitting_frame(&Frame::Snapshot { stream, sequence, length, offset, bytes: part });
         *sent += part.len();
         if *sent >= deflated.len() {
             (*sent, *rounds) = (0, *rounds + 1);
@@ -194,18 +191,5 @@ impl Snapshots {
                 self.sent.note(sequence, std::mem::take(plain));
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::EMPTY_MAX;
-    use crate::bytes::write_number;
-
-    #[test]
-    fn no_time_of_the_sender_counts_as_news() {
-        let mut payload = Vec::new();
-        write_number(u64::MAX, &mut payload);
-        assert_eq!(payload.len(), EMPTY_MAX);
     }
 }

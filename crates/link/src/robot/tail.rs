@@ -3,6 +3,7 @@
 use super::coded::Coding;
 use super::outgoing::TransmitContext;
 use crate::frame::{StreamId, block_bytes_max};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::VecDeque;
@@ -104,12 +105,12 @@ impl Tail {
         sends_max: u8,
         turn: TransmitContext<'_>,
         coding: &mut Coding,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> Option<WrittenTail> {
         let from = self.blocks.iter().position(|sent| sent.sends < sends_max)?;
         let head = self.blocks.back()?.block.last_sequence();
         let EventBlock { first_sequence, time_before, .. } = self.blocks[from].block;
-        let left = block_bytes_max(turn.room.saturating_sub(payload.len()), head, time_before);
+        let left = block_bytes_max(payload.left(), head, time_before);
         let (mut bytes, mut last, mut new) = (Vec::new(), None, None);
         self.is_cut = false;
         for SentBlock { block, sends } in self.blocks.range_mut(from..) {

@@ -2,10 +2,10 @@
 
 use super::outgoing::TransmitContext;
 use super::watched::Behind;
-use super::{RobotSession, RunSource, STATE_SENDS, SentState, now_ms};
-use crate::bytes::write_number;
+use super::{RobotSession, RunSource, STATE_SENDS, SentState};
 use crate::frame::Frame;
 use crate::path_size::LENGTH_MIN;
+use crate::payload_writer::PayloadWriter;
 use crate::profile::CARRIER_OVERHEAD;
 use crate::seal::{For, SealError};
 use std::time::Duration;
@@ -29,13 +29,11 @@ impl RobotSession {
             return Ok(None);
         }
         let room = self.end.path.next_max(is_heard) - self.end.overhead(is_heard);
-        let mut payload = Vec::with_capacity(room);
-        write_number(now_ms(now), &mut payload);
-        let empty = payload.len();
-        self.write_states(now, room, &mut payload);
-        self.incomplete.write(now, self.profile.repeat_after, room, &mut payload);
+        let mut payload = PayloadWriter::new(now, room);
+        self.write_states(now, &mut payload);
+        self.incomplete.write(now, self.profile.repeat_after, &mut payload);
         self.write_offer(now, &mut payload);
-        let turn = TransmitContext { now, profile: &self.profile, is_heard, room };
+        let turn = TransmitContext { now, profile: &self.profile, is_heard };
         let was_silent = self.alive_at() <= now;
         let mut shows_status = was_silent;
         for stream in self.streams.values_mut() {
@@ -47,12 +45,8 @@ impl RobotSession {
                 self.end.heard.arrived().filter(|_| self.profile.up_bytes_max > LENGTH_MIN);
             let frames = [self.end.heard.frame(now), arrived, calendar];
             for frame in frames.into_iter().flatten() {
-                // The rest is sent with the next status.
-                let length = payload.len();
-                frame.write(&mut payload);
-                if payload.len() > room {
-                    payload.truncate(length);
-                }
+                // A frame that does not fit is sent with the next status.
+                payload.try_frame(&frame);
             }
         }
         if self.end.pacer.free_at() <= now {
@@ -66,7 +60,7 @@ impl RobotSession {
             }
             self.bulk.write((&mut self.streams, &mut self.values), turn, source, &mut payload);
         }
-        if payload.len() == empty && !was_silent {
+        if payload.is_empty() && !was_silent {
             return Ok(None);
         }
         self.sent_at = Some(now);
@@ -115,22 +109,20 @@ impl RobotSession {
         Duration::from_nanos(bits * 1_000_000_000 / self.rate.bits_per_s())
     }
 
-    fn write_offer(&mut self, now: Duration, payload: &mut Vec<u8>) {
+    fn write_offer(&mut self, now: Duration, payload: &mut PayloadWriter) {
         if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now) {
-            Frame::NewKey { id: *id, key: key.clone() }.write(payload);
-            *due = now + self.profile.status_every * 4;
+            if payload.try_frame(&Frame::NewKey { id: *id, key: key.clone() }) {
+                *due = now + self.profile.status_every * 4;
+            }
         }
     }
 
-    fn write_states(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
+    fn write_states(&mut self, now: Duration, payload: &mut PayloadWriter) {
         let due =
             self.states.iter_mut().filter(|(_, sent)| sent.sends < STATE_SENDS && sent.due <= now);
         for (id, sent) in due {
-            let length = payload.len();
             let SentState { state, reason, .. } = &*sent;
-            Frame::CommandState { id: *id, state: *state, reason }.write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            if !payload.try_frame(&Frame::CommandState { id: *id, state: *state, reason }) {
                 break;
             }
             sent.sends += 1;

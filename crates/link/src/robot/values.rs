@@ -5,6 +5,7 @@ use super::outgoing::TransmitContext;
 use super::source::RunSource;
 use crate::assembly::PART_MIN;
 use crate::frame::{Fetch, Frame, NoValue, ValueFrame, ValueName, ValuePart};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::seal::OVERHEAD;
@@ -91,14 +92,15 @@ impl Values {
         &mut self,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         // A station repeats the request for a value with each report.
         self.sending.retain(|sending| turn.now < sending.asked_at + turn.profile.silence());
         for sending in &mut self.sending {
             while sending.has_next() {
-                let left = turn.room.saturating_sub(payload.len());
-                let Some(room) = left.checked_sub(ValuePart::HEAD_MAX + PART_MIN) else { return };
+                let Some(room) = payload.left().checked_sub(ValuePart::HEAD_MAX + PART_MIN) else {
+                    return;
+                };
                 sending.write_next(turn.now, source, room + PART_MIN, payload);
             }
         }
@@ -149,12 +151,12 @@ impl Sending {
         now: Duration,
         source: &mut impl RunSource,
         bytes_max: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let id = self.value.id;
-        let mut refuse = |why, payload: &mut Vec<u8>| {
+        let mut refuse = |why, payload: &mut PayloadWriter| {
             self.refusal = Some(why);
-            Frame::Value(ValueFrame::NoValue(id, why)).write(payload);
+            payload.fitting_frame(&Frame::Value(ValueFrame::NoValue(id, why)));
         };
         let Some(length) = self.length.or_else(|| source.value_length(&self.value)) else {
             return refuse(NoValue::Gone, payload);
@@ -172,7 +174,11 @@ impl Sending {
             return refuse(NoValue::Gone, payload);
         };
         let range = *gap.start()..=offset + bytes.len() as u64;
-        Frame::Value(ValueFrame::ValuePart(ValuePart { id, offset, bytes: &bytes })).write(payload);
+        payload.fitting_frame(&Frame::Value(ValueFrame::ValuePart(ValuePart {
+            id,
+            offset,
+            bytes: &bytes,
+        })));
         self.sent_set.insert(range.clone());
         self.sent.push_back((now, range));
     }

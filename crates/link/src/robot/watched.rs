@@ -5,6 +5,7 @@ use super::outgoing::TransmitContext;
 use crate::assembly::Assembly;
 use crate::bytes::{number_length, write_bytes};
 use crate::frame::{Frame, StreamId, ValueFrame, WatchPart, Watched};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Pacer;
 use crate::profile::Profile;
 use std::collections::BTreeMap;
@@ -144,14 +145,14 @@ impl WatchedValues {
         stream: StreamId,
         behind: Behind,
         turn: TransmitContext<'_>,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let Some(run) = self.runs.get_mut(&stream) else { return };
         if self.pacer.free_at() > turn.now || run.due_at(behind) > turn.now {
             return;
         }
         let head = 1 + 5 + number_length(run.number) + 3;
-        let Some(room) = turn.room.checked_sub(payload.len() + head) else { return };
+        let Some(room) = payload.left().checked_sub(head) else { return };
         let values = run.take(room, behind, turn);
         if values.is_empty() && !run.is_told_due {
             return;
@@ -159,8 +160,11 @@ impl WatchedValues {
         run.is_told_due = false;
         let before = payload.len();
         let number = run.number;
-        Frame::Value(ValueFrame::Watched(Watched { stream, number, values: &values }))
-            .write(payload);
+        payload.fitting_frame(&Frame::Value(ValueFrame::Watched(Watched {
+            stream,
+            number,
+            values: &values,
+        })));
         self.pacer.spend(turn.now, payload.len() - before);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::assembly::PART_MIN;
 use crate::frame::{CommandId, CommandPart, Frame, PartsHere};
+use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use std::time::Duration;
 
@@ -70,12 +71,11 @@ impl CommandParts {
         &mut self,
         id: CommandId,
         body: &[u8],
-        room: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> bool {
         let length = u32::try_from(body.len()).unwrap_or(u32::MAX);
         while let Some(gap) = self.sent.first_gap(&self.arrived, 1, u64::from(length)) {
-            let bytes_max = CommandPart::bytes_max(room.saturating_sub(payload.len()));
+            let bytes_max = CommandPart::bytes_max(payload.left());
             let start = usize::try_from(gap.start() - 1).unwrap_or(usize::MAX);
             let end = usize::try_from(*gap.end()).unwrap_or(usize::MAX).min(start + bytes_max);
             let is_last = end as u64 == *gap.end();
@@ -84,7 +84,7 @@ impl CommandParts {
             }
             let Some(bytes) = body.get(start..end).filter(|bytes| !bytes.is_empty()) else { break };
             let offset = u32::try_from(start).unwrap_or(u32::MAX);
-            Frame::CommandPart(CommandPart { id, length, offset, bytes }).write(payload);
+            payload.fitting_frame(&Frame::CommandPart(CommandPart { id, length, offset, bytes }));
             self.sent.insert(*gap.start()..=end as u64);
         }
         self.is_round_over = true;

@@ -5,6 +5,7 @@ use crate::frame::{
     Body, COMMAND_LENGTH_MAX, Command, CommandId, CommandState, Frame, PartsHere, Terms,
 };
 use crate::heard::{ClockBounds, drift};
+use crate::payload_writer::PayloadWriter;
 use crate::robot::{SCHEDULED_MAX, now_ms};
 use crate::seal::Generation;
 use std::collections::BTreeMap;
@@ -346,12 +347,12 @@ impl Commands {
         now: Duration,
         is_free: bool,
         round_trip: Duration,
-        (room, payload): (usize, &mut Vec<u8>),
+        payload: &mut PayloadWriter,
     ) {
         let is_due = |sent: &SentCommand| sent.due <= now && (is_free || !sent.is_overdue);
         let whole = self.sent.iter_mut().filter(|(_, sent)| sent.parts.is_none() && is_due(sent));
         for (id, sent) in whole {
-            if !sent.write(*id, room, payload) {
+            if !sent.write(*id, payload) {
                 return;
             }
             sent.note_sent(now, round_trip);
@@ -363,8 +364,7 @@ impl Commands {
         &mut self,
         now: Duration,
         round_trip: Duration,
-        room: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let parted = self.sent.iter_mut().filter(|(_, sent)| sent.parts.is_some());
         for (id, sent) in parted.filter(|(_, sent)| sent.due <= now) {
@@ -376,11 +376,11 @@ impl Commands {
                 sent.sends = 0;
             }
             let begun = payload.len();
-            let are_sent = parts.write(*id, body, room, payload);
+            let are_sent = parts.write(*id, body, payload);
             if payload.len() > begun {
                 sent.first_sent.get_or_insert(now);
             }
-            if !are_sent || !sent.write(*id, room, payload) {
+            if !are_sent || !sent.write(*id, payload) {
                 return;
             }
             sent.note_sent(now, round_trip);
@@ -390,20 +390,14 @@ impl Commands {
 
 impl SentCommand {
     /// Writes the command, or the head of one in parts; false if there is no room.
-    fn write(&self, id: CommandId, room: usize, payload: &mut Vec<u8>) -> bool {
+    fn write(&self, id: CommandId, payload: &mut PayloadWriter) -> bool {
         let Self { epoch, body, parts, times, .. } = self;
         let RobotTimes { start: robot_start, not_before, not_after } = *times;
         let (not_before_ms, not_after_ms, epoch) = (not_before, not_after, *epoch);
         let terms = Terms { robot_start, not_after_ms, not_before_ms, epoch };
         let length = u32::try_from(body.len()).unwrap_or(u32::MAX);
         let body = if parts.is_some() { Body::Parts(length) } else { Body::Whole(body) };
-        let begun = payload.len();
-        Frame::Command(Command { id, terms, body }).write(payload);
-        let fits = payload.len() <= room;
-        if !fits {
-            payload.truncate(begun);
-        }
-        fits
+        payload.try_frame(&Frame::Command(Command { id, terms, body }))
     }
 
     fn note_sent(&mut self, now: Duration, round_trip: Duration) {

@@ -22,10 +22,10 @@ pub(crate) use streams::OPEN_MAX;
 pub use streams::StreamProgress;
 pub use value_requests::{FetchProgress, NotWatched};
 
-use crate::bytes::write_number;
 use crate::endpoint::{Endpoint, Identity};
 use crate::frame::{CommandId, StreamId};
 use crate::heard::{ClockBounds, RobotClock};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::now_ms;
@@ -259,21 +259,19 @@ impl StationSession {
         let before = self.end.heard.before(now);
         let is_heard = before.is_some_and(|before| before < self.profile.silence());
         let room = self.end.path.max() - self.end.overhead(is_heard);
-        let mut payload = Vec::new();
-        write_number(now_ms(now), &mut payload);
-        let empty = payload.len();
+        let mut payload = PayloadWriter::new(now, room);
         let is_free = self.end.pacer.free_at() <= now;
-        self.commands.write(now, is_free, self.answer_time(), (room, &mut payload));
+        self.commands.write(now, is_free, self.answer_time(), &mut payload);
         if is_free && self.report_at() <= now {
-            self.write_report(now, room, &mut payload);
-            self.value_requests.write_fetches(room, &mut payload);
+            self.write_report(now, &mut payload);
+            self.value_requests.write_fetches(&mut payload);
         }
         if is_free {
-            self.value_requests.write_watches(now, self.answer_time(), room, &mut payload);
+            self.value_requests.write_watches(now, self.answer_time(), &mut payload);
             // Nothing else waits for the parts of a long command.
-            self.commands.write_parts(now, self.answer_time(), room, &mut payload);
+            self.commands.write_parts(now, self.answer_time(), &mut payload);
         }
-        if payload.len() == empty {
+        if payload.is_empty() {
             return Ok(None);
         }
         let whom = if is_heard { For::Confirmed } else { For::Anyone };

@@ -4,7 +4,8 @@ use super::StationSession;
 use super::incoming::Incoming;
 use super::streams::Settled;
 use crate::coding::{Contexts, LastCoder, OfferedSnapshots};
-use crate::frame::{Received, StreamId};
+use crate::frame::{Frame, Received, StreamId};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use std::time::Duration;
@@ -16,20 +17,13 @@ impl StationSession {
         self.reported_at.map_or(Duration::ZERO, |at| at + every)
     }
 
-    pub(super) fn write_report(&mut self, now: Duration, room: usize, payload: &mut Vec<u8>) {
-        let begun = payload.len();
-        if let Some(heard) = self.end.heard.frame(now) {
-            heard.write(payload);
-        }
-        if let Some(arrived) = self.end.heard.arrived() {
-            arrived.write(payload);
-        }
-        if payload.len() > room {
+    pub(super) fn write_report(&mut self, now: Duration, payload: &mut PayloadWriter) {
+        let clocks = [self.end.heard.frame(now), self.end.heard.arrived()];
+        if !payload.try_frames(clocks.iter().flatten()) {
             // Commands need all of this datagram; the report is due again with the next one.
-            payload.truncate(begun);
             return;
         }
-        self.write_settled(payload.len() + (room - payload.len()) / 2, payload);
+        self.write_settled(payload);
         let begun = payload.len();
         let (from, codes) = (self.report_from, self.profile.codes_new());
         self.report_from = StreamId(0);
@@ -53,11 +47,13 @@ impl StationSession {
             let partial = if is_complete { Vec::new() } else { incoming.large.report() };
             let stream = *stream;
             let Incoming { safe, is_over, .. } = *incoming;
-            let mut received =
-                Received { stream, is_over, safe, events, context, snapshot, partial };
-            // The first stream has no more room in a later report.
-            let is_first = length == begun;
-            while !received.write_into(room, payload) && is_first && received.shorten() {}
+            let received = Received { stream, is_over, safe, events, context, snapshot, partial };
+            if length == begun {
+                // The first stream has no more room in a later report.
+                received.write_shortened(payload);
+            } else {
+                payload.try_frame(&Frame::Received(received));
+            }
             if payload.len() == length {
                 // Streams without room begin the next report.
                 self.report_from = stream;
@@ -69,13 +65,14 @@ impl StationSession {
         (self.reported_at, self.has_news) = (Some(now), false);
     }
 
-    /// Reports settled streams that the robot has named, as far as they fit.
-    fn write_settled(&mut self, room: usize, payload: &mut Vec<u8>) {
+    /// Reports settled streams that the robot has named, in at most half of the datagram.
+    fn write_settled(&mut self, payload: &mut PayloadWriter) {
+        let rest = payload.left().div_ceil(2);
         for (stream, Settled { events: safe, is_over }) in self.streams.asked() {
             let events = RangeSet::up_to(safe);
             let (context, snapshot, partial) = (None, None, Vec::new());
             let received = Received { stream, is_over, safe, events, context, snapshot, partial };
-            if !received.write_into(room, payload) {
+            if !payload.try_frame_leaving(rest, &Frame::Received(received)) {
                 return;
             }
             self.streams.reported(stream);

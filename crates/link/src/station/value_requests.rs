@@ -4,6 +4,7 @@ use super::{FromRobot, StationSession};
 use crate::assembly::PART_MIN;
 use crate::bytes::number_length;
 use crate::frame::{Fetch, Frame, StreamId, ValueFrame, ValueId, ValueName, WatchPart};
+use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use crate::robot::WATCH_BYTES_MAX;
 use std::collections::{BTreeMap, VecDeque};
@@ -124,13 +125,11 @@ impl ValueRequests {
     }
 
     /// Repeats the requests for large values, with the received bytes.
-    pub(super) fn write_fetches(&mut self, room: usize, payload: &mut Vec<u8>) {
+    pub(super) fn write_fetches(&mut self, payload: &mut PayloadWriter) {
         for _ in 0..self.ended.len() {
             let Some((value, sends)) = self.ended.pop_front() else { break };
-            let (length, here) = (payload.len(), RangeSet::default());
-            Frame::Value(ValueFrame::Fetch(Fetch { value, budget: 0, here })).write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            let fetch = Fetch { value, budget: 0, here: RangeSet::default() };
+            if !payload.try_frame(&Frame::Value(ValueFrame::Fetch(fetch))) {
                 self.ended.push_front((value, sends));
                 return;
             }
@@ -141,11 +140,8 @@ impl ValueRequests {
         let (count, turn) = (self.fetches.len(), self.turn);
         let fetches = self.fetches.values().cycle().skip(turn).take(count);
         for Fetching { value, here, budget, .. } in fetches {
-            let length = payload.len();
-            let (value, budget, here) = (*value, *budget, here.clone());
-            Frame::Value(ValueFrame::Fetch(Fetch { value, budget, here })).write(payload);
-            if payload.len() > room {
-                payload.truncate(length);
+            let fetch = Fetch { value: *value, budget: *budget, here: here.clone() };
+            if !payload.try_frame(&Frame::Value(ValueFrame::Fetch(fetch))) {
                 return;
             }
             self.turn = (self.turn + 1) % count;
@@ -157,8 +153,7 @@ impl ValueRequests {
         &mut self,
         now: Duration,
         answer: Duration,
-        room: usize,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         for (stream, watch) in &mut self.watches {
             if watch.is_confirmed || watch.due > now {
@@ -166,7 +161,7 @@ impl ValueRequests {
             }
             let head = 1 + 5 + number_length(watch.number) + 3 * 3;
             let rest = watch.body.get(watch.sent..).unwrap_or_default();
-            let Some(left) = room.checked_sub(payload.len() + head) else { return };
+            let Some(left) = payload.left().checked_sub(head) else { return };
             if left < rest.len().min(PART_MIN) {
                 return;
             }
@@ -175,7 +170,7 @@ impl ValueRequests {
             let (length, offset) = (small(watch.body.len()), small(watch.sent));
             let (stream, number) = (*stream, watch.number);
             let part = WatchPart { stream, number, length, offset, bytes };
-            Frame::Value(ValueFrame::Watch(part)).write(payload);
+            payload.fitting_frame(&Frame::Value(ValueFrame::Watch(part)));
             watch.sent += bytes.len();
             if watch.sent >= watch.body.len() {
                 let wait = answer * (2 << watch.rounds.saturating_sub(ROUNDS_SOON).min(2));

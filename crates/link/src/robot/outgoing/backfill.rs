@@ -3,6 +3,7 @@
 use super::{Asks, Content, Outgoing, SentEvents, Served, TransmitContext};
 use crate::assembly::PART_MIN;
 use crate::frame::{Frame, block_bytes_max};
+use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::large::LargeEvent;
@@ -65,7 +66,7 @@ impl Outgoing {
         &mut self,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let TransmitContext { now, profile, .. } = turn;
         (self.waited_before, self.waited) = (self.waited, 0);
@@ -103,7 +104,7 @@ impl Outgoing {
         &mut self,
         turn: TransmitContext<'_>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) {
         let TransmitContext { now, profile, is_heard, .. } = turn;
         while self.read_again_at <= now {
@@ -162,13 +163,12 @@ impl Outgoing {
         turn: TransmitContext<'_>,
         range: &RangeInclusive<u64>,
         source: &mut impl RunSource,
-        payload: &mut Vec<u8>,
+        payload: &mut PayloadWriter,
     ) -> Option<Written> {
-        let TransmitContext { now, room, .. } = turn;
-        let left = room.saturating_sub(payload.len());
         let bytes_max = |room| block_bytes_max(room, *range.end(), u64::MAX >> 8);
         // A datagram begins with the time of its sender.
-        let (coded_max, datagram_max) = (bytes_max(left), bytes_max(room - TIME_BYTES));
+        let (coded_max, datagram_max) =
+            (bytes_max(payload.left()), bytes_max(payload.bytes_max() - TIME_BYTES));
         if coded_max < PART_MIN {
             return None;
         }
@@ -177,7 +177,7 @@ impl Outgoing {
         loop {
             let Some(block) = source.events(self.id, *range.start(), *range.end(), bytes_max)
             else {
-                self.read_again_at = now + READ_AGAIN;
+                self.read_again_at = turn.now + READ_AGAIN;
                 return None;
             };
             if block.bytes.len() > bytes_max.max(coded_max) {
@@ -185,7 +185,7 @@ impl Outgoing {
                 return self.begin_large(block, fits_alone, turn);
             }
             if !is_coded {
-                Frame::Events { stream: self.id, block: block.view() }.write(payload);
+                payload.fitting_frame(&Frame::Events { stream: self.id, block: block.view() });
                 return Some(Written::UpTo(block.last_sequence(), false));
             }
             match self.coding.write(self.id, block.view(), coded_max, payload) {
@@ -259,9 +259,9 @@ impl Outgoing {
     }
 
     /// Writes the next part of the event that is sent in parts.
-    fn write_large(&mut self, turn: TransmitContext<'_>, payload: &mut Vec<u8>) {
+    fn write_large(&mut self, turn: TransmitContext<'_>, payload: &mut PayloadWriter) {
         let Some(event) = self.large.back_mut().filter(|event| event.is_sending()) else { return };
-        if event.write(self.id, turn.room, payload) {
+        if event.write(self.id, payload) {
             let (number, is_coded) = (event.number(), event.is_coded());
             let range = number..=number;
             self.note_sent(SentEvents { at: turn.now, range, repeats: 0, is_coded });
