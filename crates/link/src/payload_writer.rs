@@ -5,7 +5,7 @@ use crate::frame::Frame;
 use crate::robot::now_ms;
 use std::time::Duration;
 
-/// Writes a payload.
+/// A payload that grows frame by frame up to its limit.
 #[derive(Debug)]
 pub(crate) struct PayloadWriter {
     bytes: Vec<u8>,
@@ -65,12 +65,12 @@ impl PayloadWriter {
         fits
     }
 
-    /// True without frames.
+    /// True if no frame was written.
     pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Length in bytes.
+    /// Length of the payload in bytes.
     pub(crate) fn len(&self) -> usize {
         self.bytes.len()
     }
@@ -85,7 +85,7 @@ impl PayloadWriter {
         self.bytes_max.saturating_sub(self.bytes.len())
     }
 
-    /// The written bytes.
+    /// The bytes written so far.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }

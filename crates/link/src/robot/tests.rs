@@ -49,6 +49,11 @@ fn after_a_start_the_present_state_comes_before_any_history() {
     assert_eq!(datagrams, 1);
 }
 
+/// Number of parts of machines in what the station received.
+fn machine_parts(shown: &FromRobot<'_>) -> u64 {
+    if let FromRobot::Events { stream: MACHINES, block } = shown { block.count } else { 0 }
+}
+
 /// The robot knows that the station has received the description; it cannot learn that the station has lost it.
 #[test]
 fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
@@ -66,10 +71,7 @@ fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
         for _ in 0..ms {
             now += Duration::from_millis(1);
             while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
-                let show = |shown: FromRobot<'_>| match shown {
-                    FromRobot::Events { stream: MACHINES, block } => received += block.count,
-                    _ => {}
-                };
+                let show = |shown: FromRobot<'_>| received += machine_parts(&shown);
                 // A new station rejects datagrams with a short header.
                 let _rejected = station.receive(now, &mut datagram, show);
             }

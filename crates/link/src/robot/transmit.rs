@@ -110,10 +110,10 @@ impl RobotSession {
     }
 
     fn write_offer(&mut self, now: Duration, payload: &mut PayloadWriter) {
-        if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now) {
-            if payload.try_frame(&Frame::NewKey { id: *id, key: key.clone() }) {
-                *due = now + self.profile.status_every * 4;
-            }
+        if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now)
+            && payload.try_frame(&Frame::NewKey { id: *id, key: key.clone() })
+        {
+            *due = now + self.profile.status_every * 4;
         }
     }
 

@@ -106,7 +106,7 @@ impl Outgoing {
         source: &mut impl RunSource,
         payload: &mut PayloadWriter,
     ) {
-        let TransmitContext { now, profile, is_heard, .. } = turn;
+        let TransmitContext { now, profile, is_heard } = turn;
         while self.read_again_at <= now {
             let is_round_due = self.has_rounds(is_heard) && self.round_due <= now;
             if is_round_due && self.gap().is_none() && self.sending_in_parts().is_none() {
