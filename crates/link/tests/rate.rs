@@ -14,6 +14,9 @@ const FILES: StreamId = StreamId(2);
 /// Interval of events.
 const EVERY: Duration = Duration::from_millis(200);
 const ITEM: usize = 60;
+/// Number and length of the parts of files.
+const PARTS: u64 = 322;
+const PART: usize = 400;
 
 /// Bytes of an event that no coder shortens.
 fn item(event: u64) -> Vec<u8> {
@@ -162,4 +165,48 @@ fn new_events_are_cheap_and_not_late_although_three_of_ten_datagrams_are_lost() 
     let late = world.p99(secs(30), secs(140));
     assert!(per_event <= 150, "{per_event} bytes, {late:?}");
     assert!(late <= Duration::from_millis(400), "{late:?}");
+}
+
+/// A part of a file, whose bytes no coder shortens.
+fn part(number: u64) -> Vec<u8> {
+    (0..7).flat_map(|nth| item(number * 7 + nth)).take(PART).collect()
+}
+
+/// Bytes sent for 129 kB of files until the robot knows that all have arrived, per byte.
+fn cost_of_files(profile: &Profile, ways: (Conditions, Conditions)) -> f64 {
+    let mut world = World::new(profile, ways, secs(600), part);
+    world.robot.begin(FILES, PARTS);
+    world.robot.set_rank(FILES, rafcon_link::Rank::Needed);
+    while world.robot.progress(FILES).is_none_or(|(_, missing)| missing > 0) {
+        world.go_on(world.now + Duration::from_millis(100));
+        assert!(world.now < secs(3_600), "the files do not arrive");
+    }
+    let (sent, _) = world.robot.traffic();
+    sent.by_kind["machines"] as f64 / (PARTS * PART as u64) as f64
+}
+
+#[test]
+fn files_cost_little_more_than_their_bytes_also_before_the_first_report() {
+    let link = |delay_ms, lost, [down, up]: [u64; 2]| {
+        let way = |bits_per_s| Conditions {
+            delay: Duration::from_millis(delay_ms),
+            lost,
+            doubled: 0,
+            late: 0,
+            queue_max: secs(8),
+            ..Conditions::delay_2s(bits_per_s)
+        };
+        (way(down), way(up))
+    };
+    for (name, profile, ways, bar) in [
+        ("2 s", Profile::DELAY_2S, link(2_000, 2, [256_000, 32_000]), 1.3),
+        ("64 kbit/s", Profile::DELAY_2S, link(600, 5, [64_000, 9_600]), 1.3),
+        ("8 s", Profile::DELAY_2S, link(8_000, 1, [256_000, 32_000]), 1.3),
+        ("minutes", Profile::DEEP, link(240_000, 1, [8_000, 1_000]), 1.3),
+        // Three of ten are lost: each byte has to be sent 1.43 times.
+        ("wifi", Profile::WIFI, link(20, 30, [4_000_000, 1_000_000]), 1.3 / 0.7),
+    ] {
+        let cost = cost_of_files(&profile, ways);
+        assert!(cost <= bar, "{name}: {cost:.2} of {bar:.2}");
+    }
 }

@@ -128,7 +128,9 @@ impl RobotSession {
 
     /// A run that has events up to `head` in its journal.
     pub fn begin(&mut self, stream: StreamId, head: u64) {
-        self.streams.entry(stream).or_insert_with(|| Outgoing::new(stream, head));
+        let first_report_at = self.profile.round_trip;
+        let begun = || Outgoing::new(stream, head).repeated_from(first_report_at);
+        self.streams.entry(stream).or_insert_with(begun);
     }
 
     /// When what the station lacks of this stream is sent, beside that of others.

@@ -153,6 +153,14 @@ impl Outgoing {
         }
     }
 
+    /// Repeats files without a report only after the first report should have arrived: they are long and never urgent.
+    pub(super) fn repeated_from(mut self, first_report_at: Duration) -> Self {
+        if self.id.is_files() {
+            self.round_due = first_report_at;
+        }
+        self
+    }
+
     /// The station may have all of it: it is asked before anything is sent.
     pub(super) fn ask_first(&mut self) {
         self.asks = Asks::Yes;
