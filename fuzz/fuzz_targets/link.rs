@@ -12,7 +12,12 @@ struct Journal;
 
 impl RunSource for Journal {
     fn events(&mut self, _: StreamId, first: u64, _: u64, _: usize) -> Option<EventBlock> {
-        Some(EventBlock { first_sequence: first, count: 1, time_before: first, bytes: first.to_le_bytes().to_vec() })
+        Some(EventBlock {
+            first_sequence: first,
+            count: 1,
+            time_before: first,
+            bytes: first.to_le_bytes().to_vec(),
+        })
     }
 
     fn snapshot(&mut self, _: StreamId) -> Option<(u64, Vec<u8>)> {

@@ -5,8 +5,8 @@ use crate::proxy::Carries;
 use crate::{LAST, Trial};
 use anyhow::Result;
 use rafcon_link::{
-    EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession, RunSource,
-    SenderStart, StationSession, StreamId,
+    EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession,
+    RunSource, SenderStart, StationSession, StreamId,
 };
 use std::net::{SocketAddr, UdpSocket};
 use std::ops::RangeInclusive;
@@ -63,7 +63,12 @@ impl RunSource for Journal {
             items.extend_from_slice(&event.items);
             count += 1;
         }
-        (count > 0).then(|| EventBlock { first_sequence: first, count, time_before: events.before(from), bytes: items })
+        (count > 0).then(|| EventBlock {
+            first_sequence: first,
+            count,
+            time_before: events.before(from),
+            bytes: items,
+        })
     }
 
     fn snapshot(&mut self, _stream: StreamId) -> Option<(u64, Vec<u8>)> {
@@ -85,7 +90,10 @@ fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
             let time_before = events.before(journal.head);
             journal.head += 1;
             let first = journal.head as u64;
-            session.append(STREAM, EventBlockRef { first_sequence: first, count: 1, time_before, bytes: &event.items });
+            session.append(
+                STREAM,
+                EventBlockRef { first_sequence: first, count: 1, time_before, bytes: &event.items },
+            );
         }
         session.set_state(STREAM, b"running", now > lead + LAST);
         while let Ok(Some(datagram)) = session.transmit(now, &mut journal) {

@@ -2,7 +2,7 @@
 
 use super::name::RobotName;
 use super::runs::StationRuns;
-use super::storage::{CommandStorage, PreparedRequest, StoreResult};
+use super::storage::{CommandStorage, PreparedRequest};
 use crate::command_lists::CommandListStore;
 use crate::ids;
 use crate::meter::millis;
@@ -21,10 +21,6 @@ use rafcon_protocol::{CommandStage, ContactPlan, OpenCommand};
 use rafcon_supervisor::clock;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Reason of a refusal if the disk was too slow.
-const TOO_LATE: &str = "nothing was sent, because the command expired before the station's disk had stored it: let it expire later; a stop and a \
-                        pause wait for no disk";
 
 /// The parts of a robot that its commands use.
 pub(super) struct CommandContext<'r> {
@@ -109,7 +105,7 @@ impl StationCommands {
         });
         match prepared {
             Ok(request) => {
-                if let Some(request) = self.storage.store(request) {
+                if let Some(request) = self.storage.store(context.now, request) {
                     self.accept(context, request);
                 }
             }
@@ -131,28 +127,21 @@ impl StationCommands {
         }
     }
 
-    /// Accepts or refuses a request once the disk has taken or refused it.
+    /// Accepts a request once the disk has taken or refused it.
     pub(super) fn on_disk_event(
         &mut self,
         context: &mut CommandContext<'_>,
         event: FromCommandDisk,
     ) {
-        match self.storage.on_disk_event(event) {
-            StoreResult::Accepted(request) => self.accept(context, *request),
-            StoreResult::Refused(request, reason) => {
-                let PreparedRequest { stream, given, .. } = *request;
-                self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
-            }
-            StoreResult::Nothing => {}
+        if let Some(request) = self.storage.on_disk_event(event) {
+            self.accept(context, request);
         }
     }
 
-    /// Refuses the requests for which the disk was too slow, and removes those that are over from it.
+    /// Accepts the requests for which the disk was too slow, and removes those that are over from it.
     fn scan_storage(&mut self, context: &mut CommandContext<'_>) {
-        for PreparedRequest { stream, given, .. } in self.storage.take_late(clock::since_1970_ms())
-        {
-            let reason = TOO_LATE.to_owned();
-            self.answer(context.runs, stream, &given.id, &RobotAnswer::Refused { reason });
+        for request in self.storage.take_slow(context.now) {
+            self.accept(context, request);
         }
         self.storage.retain(|id| context.session.is_open(id));
     }

@@ -1,6 +1,6 @@
 //! The requests to one robot on the station's disk: each is durable before it is accepted, and removed once its fate is known.
 //!
-//! A stop and a pause are accepted at once and stored beside. Knows no session.
+//! A stop and a pause are accepted at once and stored beside. So are the others if the disk fails or hangs. Knows no session.
 
 use crate::station::command_disk::{CommandDisk, FromCommandDisk};
 use crate::station::pending_requests::SendTimes;
@@ -10,6 +10,10 @@ use crate::words::StationRequest;
 use rafcon_link::{CommandId, StreamId, TimedCommand};
 use rafcon_protocol::Command;
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+/// A request waits this long for the disk.
+const DISK_WITHIN: Duration = Duration::from_secs(1);
 
 /// A request that the session can send.
 #[derive(Debug, Clone)]
@@ -22,14 +26,10 @@ pub(super) struct PreparedRequest {
     pub(super) times: SendTimes,
 }
 
-/// Result of a task of the disk.
-pub(super) enum StoreResult {
-    /// The request is accepted.
-    Accepted(Box<PreparedRequest>),
-    /// The request is refused, with the reason.
-    Refused(Box<PreparedRequest>, String),
-    /// Nothing changes for the request.
-    Nothing,
+/// A request that waits for the disk.
+struct Storing {
+    request: PreparedRequest,
+    since: Duration,
 }
 
 /// Requests that are being stored, and those that are stored.
@@ -38,7 +38,7 @@ pub(super) struct CommandStorage {
     /// Tag of the pairing in force.
     pairing: String,
     /// Requests that wait for the disk before they are accepted.
-    storing: BTreeMap<CommandId, PreparedRequest>,
+    storing: BTreeMap<CommandId, Storing>,
     /// Accepted requests that the disk was given.
     stored: BTreeSet<CommandId>,
     /// Accepted requests that are not durable, with their problems.
@@ -86,11 +86,15 @@ impl CommandStorage {
     }
 
     /// Stores a request. Returns it if it is accepted at once.
-    pub(super) fn store(&mut self, request: PreparedRequest) -> Option<PreparedRequest> {
+    pub(super) fn store(
+        &mut self,
+        now: Duration,
+        request: PreparedRequest,
+    ) -> Option<PreparedRequest> {
         match durability(&request.given.word) {
             Durability::First => {
                 self.disk.keep(self.stored(&request));
-                self.storing.insert(request.command.id, request);
+                self.storing.insert(request.command.id, Storing { request, since: now });
                 return None;
             }
             Durability::Beside => self.store_beside(&request),
@@ -102,47 +106,45 @@ impl CommandStorage {
     /// Stores a request that is accepted already.
     pub(super) fn store_beside(&mut self, request: &PreparedRequest) {
         self.disk.keep(self.stored(request));
-        self.stored.insert(request.command.id);
-        let about = format!("{} ({})", request.given.word.asks(), request.given.id);
         // Reported only if the disk fails.
-        self.unstored.insert(request.command.id, Unstored { about, why: String::new() });
+        self.note_unstored(request, String::new());
     }
 
-    /// Applies an event of the disk.
-    pub(super) fn on_disk_event(&mut self, event: FromCommandDisk) -> StoreResult {
+    /// Applies an event of the disk. Returns the request that is accepted now.
+    pub(super) fn on_disk_event(&mut self, event: FromCommandDisk) -> Option<PreparedRequest> {
         match event {
             FromCommandDisk::Kept(id) => {
                 self.unstored.remove(&id);
-                let Some(request) = self.storing.remove(&id) else { return StoreResult::Nothing };
+                let Storing { request, .. } = self.storing.remove(&id)?;
                 self.stored.insert(id);
-                StoreResult::Accepted(Box::new(request))
+                Some(request)
             }
             FromCommandDisk::NotKept(id, why) => {
                 if let Some(unstored) = self.unstored.get_mut(&id) {
                     unstored.why = why;
-                    return StoreResult::Nothing;
+                    return None;
                 }
-                let Some(request) = self.storing.remove(&id) else { return StoreResult::Nothing };
-                self.disk.remove(id);
-                let why = format!(
-                    "nothing was sent, because the station's disk does not store the command ({why}): make room on it; a stop and a pause \
-                     still pass"
-                );
-                StoreResult::Refused(Box::new(request), why)
+                let Storing { request, .. } = self.storing.remove(&id)?;
+                self.note_unstored(&request, why);
+                Some(request)
             }
         }
     }
 
-    /// Requests whose time was over before the disk had them.
-    pub(super) fn take_late(&mut self, now_ms: u64) -> Vec<PreparedRequest> {
-        let is_late = |_: &CommandId, request: &mut PreparedRequest| {
-            request.times.expiry.is_some_and(|expiry_ms| expiry_ms <= now_ms)
-        };
-        let late: Vec<_> = self.storing.extract_if(.., is_late).collect();
-        for (id, _) in &late {
-            self.disk.remove(*id);
-        }
-        late.into_iter().map(|(_, request)| request).collect()
+    /// Requests that have waited too long for the disk: they are accepted now.
+    pub(super) fn take_slow(&mut self, now: Duration) -> Vec<PreparedRequest> {
+        let is_slow = |_: &CommandId, storing: &mut Storing| now >= storing.since + DISK_WITHIN;
+        let slow: Vec<_> = self.storing.extract_if(.., is_slow).collect();
+        let slow = slow.into_iter().map(|(_, storing)| storing.request);
+        slow.inspect(|request| self.note_unstored(request, "the disk does not answer".to_owned()))
+            .collect()
+    }
+
+    /// Notes that an accepted request is not durable yet.
+    fn note_unstored(&mut self, request: &PreparedRequest, why: String) {
+        let about = format!("{} ({})", request.given.word.asks(), request.given.id);
+        self.stored.insert(request.command.id);
+        self.unstored.insert(request.command.id, Unstored { about, why });
     }
 
     /// Removes the requests that are not open any more.
