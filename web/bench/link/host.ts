@@ -61,7 +61,12 @@ export class Host {
     return this.#process?.pid ?? 0;
   }
 
-  get #env(): NodeJS.ProcessEnv {
+  /** The program and its words that begin programs on this computer. */
+  get inside(): readonly string[] {
+    return this.#where.inside;
+  }
+
+  get env(): NodeJS.ProcessEnv {
     const state = join(this.folder, "state");
     return { ...process.env, HOME: this.folder, RAFCON_STATE: state, RAFCON_RUNS: this.runs };
   }
@@ -74,7 +79,7 @@ export class Host {
     const bind = ["--bind", `${address}:${port}`, "--keep-token"];
     const [program = "", ...words] = [...inside, binary(), ...this.#words, ...bind];
     const stdio = ["ignore", "pipe", log] as ["ignore", "pipe", number];
-    const child = owned(spawn(program, words, { env: this.#env, stdio }));
+    const child = owned(spawn(program, words, { env: this.env, stdio }));
     closeSync(log);
     this.#process = child;
     if (!child.stdout) throw new Error(`${this.name} has no standard output`);
@@ -105,7 +110,7 @@ export class Host {
 
   /** What a command says on this computer. */
   say(words: readonly string[], input = ""): string {
-    const options = { env: this.#env, input, maxBuffer: 1 << 30 };
+    const options = { env: this.env, input, maxBuffer: 1 << 30 };
     const { status, stdout, stderr } = spawnSync(binary(), words, options);
     if (status !== 0) throw new Error(`rafcon ${words.join(" ")}: ${stderr}`);
     return String(stdout);

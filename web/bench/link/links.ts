@@ -6,6 +6,7 @@ import { Camp, newMission } from "./camp.ts";
 import links from "./links.json" with { type: "json" };
 import { type Figure, type Followed, headAt, quantile, shown, within } from "./measures.ts";
 import { newValues } from "./values.ts";
+import { cutWebSocket } from "./websocket.ts";
 
 type Link = (typeof links)[number];
 
@@ -33,10 +34,11 @@ export async function overLinks(names: string): Promise<readonly Figure[]> {
 }
 
 async function over(link: Link): Promise<readonly Figure[]> {
+  if (link.carrier === "websocket") return overWebSocket(link);
   const camp = await Camp.pitch({
     hasSeveral: false,
     profile: link.profile,
-    path: Object.entries(link.path).flatMap(([word, value]) => [`--${word}`, String(value)]),
+    path: pathOf(link),
     machine: (folder) =>
       link.machine === "values" ? newValues(folder) : newMission(folder, EVENTS_PER_S, STATES),
     inputs: link.machine === "values" ? {} : { time_scale: 0 },
@@ -49,6 +51,25 @@ async function over(link: Link): Promise<readonly Figure[]> {
   } finally {
     await camp.strike();
   }
+}
+
+function pathOf({ path }: Link): readonly string[] {
+  return Object.entries(path).flatMap(([word, value]) => [`--${word}`, String(value)]);
+}
+
+async function overWebSocket(link: Link): Promise<readonly Figure[]> {
+  const { returns, followed } = await cutWebSocket({
+    profile: link.profile,
+    path: pathOf(link),
+    eventsPerSecond: EVENTS_PER_S,
+    states: STATES,
+    settle_ms: SETTLE_MS + link.seconds * 1_000,
+    cut_s: link.cut_s ?? [],
+    return_ms: RETURN_MS,
+  });
+  const end = (returns[0] ?? 0) - (link.cut_s?.[0] ?? 0) * 1_000;
+  const whole = { from: end - link.seconds * 1_000, to: end };
+  return figuresOf(link, { whole, bytes: 0, returns, followed });
 }
 
 async function measured(camp: Camp, link: Link): Promise<readonly Figure[]> {

@@ -57,9 +57,10 @@ export class Operator {
   constructor(post: Post, host: Host) {
     [this.name, this.token, this.host] = [post.name, post.token, host];
     const words = ["operator", JSON.stringify(post)];
-    this.#process = owned(
-      fork(process.argv[1] ?? "", words, { stdio: ["ignore", "inherit", "inherit", "ipc"] }),
-    );
+    const [execPath = "", ...execArgv] = [...host.inside, process.execPath];
+    const stdio = ["ignore", "inherit", "inherit", "ipc"] as const;
+    const options = { execPath, execArgv, stdio: [...stdio] };
+    this.#process = owned(fork(process.argv[1] ?? "", words, options));
   }
 
   command(command: Command, valid_ms: number | null = COMMAND_MS): void {
