@@ -61,17 +61,17 @@ fuzz_target!(|bytes: &[u8]| {
             datagram.extend_from_slice(payload);
         }
         let used = match is_down {
-            true => station.receive(now, &mut datagram, |shown| drop(shown)),
-            false => robot_side.receive(now, &mut datagram, drop),
+            true => station.handle_datagram(now, &mut datagram, |shown| drop(shown)),
+            false => robot_side.handle_datagram(now, &mut datagram, drop),
         };
         assert!(is_sealed || used.is_err(), "a datagram that nobody sealed was opened");
         while let Some(subscription) = robot_side.take_subscription() {
             robot_side.set_subscription(subscription.stream, subscription.number);
         }
-        while let Some(datagram) = robot_side.transmit(now, &mut Journal).expect("a number") {
+        while let Some(datagram) = robot_side.poll_transmit(now, &mut Journal).expect("a number") {
             assert!(datagram.len() <= profile.down_bytes_max);
         }
-        while let Some(datagram) = station.transmit(now).expect("a number") {
+        while let Some(datagram) = station.poll_transmit(now).expect("a number") {
             assert!(datagram.len() <= profile.up_bytes_max);
         }
     }

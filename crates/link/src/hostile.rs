@@ -115,15 +115,15 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
                 .command(now, NewCommand { id, valid, wait: None, epoch: 1, body })
                 .expect("a clock");
         }
-        while let Some(mut datagram) = robot.transmit(now, &mut Numbers).expect("a number") {
+        while let Some(mut datagram) = robot.poll_transmit(now, &mut Numbers).expect("a number") {
             let opened = openers[0].open(&mut datagram.clone()).expect("ours").payload.to_vec();
             payloads[0].push(opened);
-            station.receive(now, &mut datagram, |_| {}).expect("ours");
+            station.handle_datagram(now, &mut datagram, |_| {}).expect("ours");
         }
-        while let Some(mut datagram) = station.transmit(now).expect("a number") {
+        while let Some(mut datagram) = station.poll_transmit(now).expect("a number") {
             let opened = openers[1].open(&mut datagram.clone()).expect("ours").payload.to_vec();
             payloads[1].push(opened);
-            robot.receive(now, &mut datagram, |_| {}).expect("ours");
+            robot.handle_datagram(now, &mut datagram, |_| {}).expect("ours");
         }
     }
     payloads
@@ -171,15 +171,15 @@ proptest! {
                 let mut datagram = Vec::new();
                 sealer.seal(For::Anyone, payload, &mut datagram).expect("a number");
                 let _used_or_refused = if is_down {
-                    station.receive(now, &mut datagram, |_| {})
+                    station.handle_datagram(now, &mut datagram, |_| {})
                 } else {
-                    robot.receive(now, &mut datagram, |_| {})
+                    robot.handle_datagram(now, &mut datagram, |_| {})
                 };
             }
-            while let Some(datagram) = robot.transmit(now, &mut Numbers).expect("a number") {
+            while let Some(datagram) = robot.poll_transmit(now, &mut Numbers).expect("a number") {
                 prop_assert!(datagram.len() <= Profile::DELAY_2S.down_bytes_max);
             }
-            while let Some(datagram) = station.transmit(now).expect("a number") {
+            while let Some(datagram) = station.poll_transmit(now).expect("a number") {
                 prop_assert!(datagram.len() <= Profile::DELAY_2S.up_bytes_max);
             }
         }
@@ -189,8 +189,8 @@ proptest! {
     fn noise_that_nobody_sealed_is_refused(mut noise in prop::collection::vec(any::<u8>(), 0..1_300)) {
         let (mut robot, mut station) = sessions();
         let opened = [
-            station.receive(Duration::ZERO, &mut noise.clone(), |_| {}).is_ok(),
-            robot.receive(Duration::ZERO, &mut noise, |_| {}).is_ok(),
+            station.handle_datagram(Duration::ZERO, &mut noise.clone(), |_| {}).is_ok(),
+            robot.handle_datagram(Duration::ZERO, &mut noise, |_| {}).is_ok(),
         ];
         prop_assert_eq!(opened, [false, false]);
     }
@@ -210,7 +210,8 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
             payload.truncate(Profile::DELAY_2S.down_bytes_max - OVERHEAD);
             let mut datagram = Vec::new();
             sealer.seal(For::Anyone, &payload, &mut datagram).expect("a number");
-            let _the_last_frame_is_cut = station.receive(Duration::ZERO, &mut datagram, |_| {});
+            let _the_last_frame_is_cut =
+                station.handle_datagram(Duration::ZERO, &mut datagram, |_| {});
         }
     };
     let mut next = 0;
@@ -248,7 +249,7 @@ fn a_station_notes_only_so_many_parts_of_a_large_value() {
         payload.truncate(Profile::DELAY_2S.down_bytes_max - OVERHEAD);
         let mut datagram = Vec::new();
         sealer.seal(For::Anyone, &payload, &mut datagram).expect("a number");
-        let _the_last_frame_is_cut = station.receive(Duration::ZERO, &mut datagram, |_| {});
+        let _the_last_frame_is_cut = station.handle_datagram(Duration::ZERO, &mut datagram, |_| {});
     }
     let progress = station.fetch_progress(VALUE.id).expect("it is asked for");
     assert_eq!(progress.here.ranges_count(), 4_096);

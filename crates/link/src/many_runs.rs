@@ -123,7 +123,7 @@ impl ShortRunWorld {
 
     fn arrive_at_robot(&mut self, mut datagram: Vec<u8>) {
         if !self.lose_some() {
-            let _of_an_earlier_start = self.robot.receive(self.now, &mut datagram, |_| {});
+            let _of_an_earlier_start = self.robot.handle_datagram(self.now, &mut datagram, |_| {});
         }
     }
 
@@ -131,10 +131,12 @@ impl ShortRunWorld {
     fn go_on(&mut self, steps: u64) {
         for _ in 0..steps {
             self.now += Duration::from_millis(10);
-            while let Some(datagram) = self.robot.transmit(self.now, &mut Journal).expect("room") {
+            while let Some(datagram) =
+                self.robot.poll_transmit(self.now, &mut Journal).expect("room")
+            {
                 self.arrive(datagram);
             }
-            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
+            while let Some(datagram) = self.station.poll_transmit(self.now).expect("room") {
                 self.arrive_at_robot(datagram);
             }
         }
@@ -169,7 +171,7 @@ impl ShortRunWorld {
             }
             _ => {}
         };
-        let _of_an_earlier_start = self.station.receive(self.now, &mut datagram, show);
+        let _of_an_earlier_start = self.station.handle_datagram(self.now, &mut datagram, show);
         for stream in changed {
             let safe = self.disk.get(&stream).map_or(0, RangeSet::contiguous);
             self.station.set_safe(stream, safe);
@@ -246,7 +248,7 @@ fn name(station: &mut StationSession, robot: &mut Sealer, now: Duration, run: u3
     let stream = events_of(run);
     Frame::Status { stream, head: 9, is_over: false, state: b"", chain: None }.write(&mut payload);
     robot.seal(For::Anyone, &payload, &mut datagram).expect("a number");
-    station.receive(now, &mut datagram, |_| {}).expect("a datagram");
+    station.handle_datagram(now, &mut datagram, |_| {}).expect("a datagram");
 }
 
 #[test]
@@ -300,8 +302,8 @@ fn of_more_open_runs_than_fit_into_a_report_each_is_reported() {
     }
     for second in 1..600 {
         let now = Duration::from_secs(second);
-        while let Some(mut datagram) = station.transmit(now).expect("a number") {
-            robot.receive(now, &mut datagram, |_| {}).expect("a report");
+        while let Some(mut datagram) = station.poll_transmit(now).expect("a number") {
+            robot.handle_datagram(now, &mut datagram, |_| {}).expect("a report");
         }
     }
     let is_missing = |run: &u32| robot.progress(events_of(*run)) != Some((9, 0));

@@ -164,19 +164,19 @@ impl World {
     fn step(&mut self) {
         self.now += STEP;
         let now = self.now;
-        while let Some(datagram) = self.robot.transmit(now, &mut self.disk).expect("numbers") {
+        while let Some(datagram) = self.robot.poll_transmit(now, &mut self.disk).expect("numbers") {
             if !self.lose(Direction::Down) {
                 self.down.push_back((now + DELAY, datagram));
             }
         }
-        while let Some(datagram) = self.station.transmit(now).expect("numbers") {
+        while let Some(datagram) = self.station.poll_transmit(now).expect("numbers") {
             if !self.lose(Direction::Up) {
                 self.up.push_back((now + DELAY, datagram));
             }
         }
         while let Some((_, mut datagram)) = self.up.pop_front_if(|(at, _)| *at <= now) {
             // What was on its way to the start before is rejected.
-            let _used_or_obsolete = self.robot.receive(now, &mut datagram, |_| {});
+            let _used_or_obsolete = self.robot.handle_datagram(now, &mut datagram, |_| {});
         }
         while let Some((_, mut datagram)) = self.down.pop_front_if(|(at, _)| *at <= now) {
             let here = &mut self.here;
@@ -196,7 +196,7 @@ impl World {
                 }
                 _ => {}
             };
-            self.station.receive(now, &mut datagram, show).expect("a datagram");
+            self.station.handle_datagram(now, &mut datagram, show).expect("a datagram");
         }
         if let Some(received) = self.station.received(STREAM) {
             let safe = received.contiguous();

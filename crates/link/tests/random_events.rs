@@ -357,9 +357,9 @@ impl World {
 
     fn next_at(&self) -> Duration {
         let planned = self.streams.iter().filter_map(|it| it.planned.last().map(|(at, _)| *at));
-        let robot = self.robot.next_transmit(self.now.saturating_sub(self.robot_from));
+        let robot = self.robot.poll_timeout(self.now.saturating_sub(self.robot_from));
         let robot = robot.saturating_add(self.robot_from);
-        let station = self.station.next_transmit(self.now.saturating_sub(self.station_from));
+        let station = self.station.poll_timeout(self.now.saturating_sub(self.station_from));
         let station = station.saturating_add(self.station_from);
         let carriers = [self.down.next(), self.up.next()].into_iter().flatten();
         planned.chain([robot, station]).chain(carriers).min().expect("some")
@@ -391,7 +391,7 @@ impl World {
     fn receive_all(&mut self) -> bool {
         while let Some(mut datagram) = self.up.arrive(self.now) {
             let now = self.now.saturating_sub(self.robot_from);
-            let got = self.robot.receive(now, &mut datagram, |_| {});
+            let got = self.robot.handle_datagram(now, &mut datagram, |_| {});
             assert!(!matches!(got, Err(Unusable::Broken(_))), "broken to the robot: {got:?}");
         }
         let mut arrived = false;
@@ -406,9 +406,9 @@ impl World {
     fn transmit_robot(&mut self) {
         let now = self.now.saturating_sub(self.robot_from);
         let (mut sent, mut nones) = (0, 0);
-        while nones == 0 || self.robot.next_transmit(now) <= now {
+        while nones == 0 || self.robot.poll_timeout(now) <= now {
             self.calls += 1;
-            let datagram = self.robot.transmit(now, &mut self.journal).expect("sealed");
+            let datagram = self.robot.poll_transmit(now, &mut self.journal).expect("sealed");
             nones += 1;
             if let Some(datagram) = datagram {
                 assert!(datagram.len() <= self.profile.down_bytes_max, "{}", datagram.len());
@@ -425,7 +425,7 @@ impl World {
     fn transmit_station(&mut self) {
         let now = self.now.saturating_sub(self.station_from);
         let mut sent = 0;
-        while let Some(datagram) = self.station.transmit(now).expect("sealed") {
+        while let Some(datagram) = self.station.poll_transmit(now).expect("sealed") {
             assert!(datagram.len() <= self.profile.up_bytes_max, "{}", datagram.len());
             sent += 1;
             if datagram.len() <= self.carries {
@@ -433,14 +433,14 @@ impl World {
             }
             assert!(sent < INSTANT_MAX, "the station sends without end at {:?}", self.now);
         }
-        assert!(self.station.next_transmit(now) > now, "the station spins at {:?}", self.now);
+        assert!(self.station.poll_timeout(now) > now, "the station spins at {:?}", self.now);
     }
 
     fn receive(&mut self, datagram: &mut [u8]) {
         let now = self.now.saturating_sub(self.station_from);
         let (here, journal) = (&mut self.here, &self.journal);
         let mut touched = BTreeSet::new();
-        let got = self.station.receive(now, datagram, |shown| {
+        let got = self.station.handle_datagram(now, datagram, |shown| {
             let FromRobot::Events { stream, block } = shown else { return };
             let EventBlockRef { first_sequence: first, count, time_before, bytes: items } = block;
             let range = block.sequences();

@@ -190,13 +190,15 @@ impl DisturbedLink {
     pub fn go_on(&mut self, until: Duration) {
         while self.now < until {
             let local = self.robot_time();
-            while let Some(datagram) = self.robot.transmit(local, &mut NoRuns).expect("numbers") {
+            while let Some(datagram) =
+                self.robot.poll_transmit(local, &mut NoRuns).expect("numbers")
+            {
                 self.sent += 1;
                 if !self.link.is_lost(self.now, self.sent, false) {
                     self.down.push_back((self.now + self.link.one_way, datagram));
                 }
             }
-            while let Some(datagram) = self.station.transmit(self.now).expect("numbers") {
+            while let Some(datagram) = self.station.poll_transmit(self.now).expect("numbers") {
                 self.sent += 1;
                 if !self.link.is_lost(self.now, self.sent, true) {
                     self.up.push_back((self.now + self.link.one_way, datagram));
@@ -204,8 +206,8 @@ impl DisturbedLink {
             }
             self.overdue.extend(self.station.take_overdue(self.now));
             let due = [
-                self.robot_began + self.robot.next_transmit(local),
-                self.station.next_transmit(self.now),
+                self.robot_began + self.robot.poll_timeout(local),
+                self.station.poll_timeout(self.now),
             ];
             let arrivals = [&self.up, &self.down].map(|way| way.front().map(|(at, _)| *at));
             let next = due.into_iter().chain(arrivals.into_iter().flatten()).min();
@@ -219,7 +221,7 @@ impl DisturbedLink {
         while let Some((_, mut datagram)) = self.up.pop_front_if(|(at, _)| *at <= self.now) {
             let mut commands = Vec::new();
             let _of_an_earlier_start =
-                self.robot.receive(local, &mut datagram, |command| commands.push(command));
+                self.robot.handle_datagram(local, &mut datagram, |command| commands.push(command));
             self.robot_heard = self.robot.horizon();
             for command in &commands {
                 self.do_command(command);
@@ -232,7 +234,7 @@ impl DisturbedLink {
                     fates.insert(id, state);
                 }
             };
-            let _of_an_earlier_start = self.station.receive(self.now, &mut datagram, show);
+            let _of_an_earlier_start = self.station.handle_datagram(self.now, &mut datagram, show);
         }
     }
 

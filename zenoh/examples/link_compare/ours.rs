@@ -96,14 +96,14 @@ fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
             );
         }
         session.set_state(STREAM, b"running", now > lead + LAST);
-        while let Ok(Some(datagram)) = session.transmit(now, &mut journal) {
+        while let Ok(Some(datagram)) = session.poll_transmit(now, &mut journal) {
             drop(socket.send_to(&datagram, to));
         }
         let next = events.list.get(journal.head).map(|event| event.time + lead);
-        let next = next.unwrap_or(Duration::MAX).min(session.next_transmit(now));
+        let next = next.unwrap_or(Duration::MAX).min(session.poll_timeout(now));
         if let Some((mut datagram, _)) = receive(socket, next.saturating_sub(clock.elapsed())) {
             // What comes twice is not used.
-            session.receive(clock.elapsed(), &mut datagram, |_| {}).unwrap_or_default();
+            session.handle_datagram(clock.elapsed(), &mut datagram, |_| {}).unwrap_or_default();
         }
     }
 }
@@ -114,16 +114,16 @@ fn station_side(socket: &UdpSocket, recorder: &Recorder) {
         StationSession::new(&identity(&PairingKey::from_bytes([7; 32])), Profile::DELAY_2S);
     loop {
         let now = clock.elapsed();
-        while let Ok(Some(datagram)) = session.transmit(now) {
+        while let Ok(Some(datagram)) = session.poll_transmit(now) {
             if let Some(robot) = robot {
                 drop(socket.send_to(&datagram, robot));
             }
         }
-        let wait = session.next_transmit(now).saturating_sub(clock.elapsed());
+        let wait = session.poll_timeout(now).saturating_sub(clock.elapsed());
         if let Some((mut datagram, from)) = receive(socket, wait) {
             robot = Some(from);
             let now = clock.elapsed();
-            let used = session.receive(now, &mut datagram, |shown| {
+            let used = session.handle_datagram(now, &mut datagram, |shown| {
                 if let FromRobot::Events { block, .. } = shown {
                     note(recorder, block.sequences());
                 }

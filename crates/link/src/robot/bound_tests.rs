@@ -57,9 +57,8 @@ fn commands_for_later_are_kept_up_to_the_bound_and_again_once_a_time_has_come() 
     assert!(TOO_MANY.contains(&SCHEDULED_MAX.to_string()));
     assert_eq!(state(&robot, most - 1), Some((CommandState::Received, "")));
     assert_eq!(state(&robot, most), Some((CommandState::Refused, TOO_MANY)));
-    let mut due = Vec::new();
-    robot.take_due(SECOND * 10, |command| due.push(command.id));
-    assert_eq!(due, [id(0)]);
+    let due = std::iter::from_fn(|| robot.poll_command(SECOND * 10));
+    assert_eq!(due.map(|command| command.id).collect::<Vec<_>>(), [id(0)]);
     takes(&mut robot, most + 1, 10);
     assert_eq!(state(&robot, most + 1), Some((CommandState::Received, "")));
 }
@@ -178,12 +177,14 @@ fn events_of_any_length_arrive_whether_they_are_at_hand_or_in_the_journal() {
         let mut now = Duration::ZERO;
         for _ in 0..200 {
             now += Duration::from_millis(10);
-            while let Some(mut datagram) = robot.transmit(now, &mut LongEvents(length)).unwrap() {
+            while let Some(mut datagram) =
+                robot.poll_transmit(now, &mut LongEvents(length)).unwrap()
+            {
                 assert!(datagram.len() <= profile.down_bytes_max);
-                station.receive(now, &mut datagram, |_| {}).unwrap();
+                station.handle_datagram(now, &mut datagram, |_| {}).unwrap();
             }
-            while let Some(mut report) = station.transmit(now).unwrap() {
-                robot.receive(now, &mut report, |_| {}).unwrap();
+            while let Some(mut report) = station.poll_transmit(now).unwrap() {
+                robot.handle_datagram(now, &mut report, |_| {}).unwrap();
             }
         }
         assert_eq!(robot.progress(RUN), Some((count, 0)), "{length} bytes");

@@ -68,7 +68,11 @@ pub struct ReceivedCommand {
     pub body: Vec<u8>,
 }
 
-/// The robot's side.
+/// The robot's side: a state machine without sockets and clocks, which its owner polls.
+///
+/// Received datagrams enter through `handle_datagram`. `poll_transmit` returns datagrams to send, `poll_command` scheduled commands,
+/// and `poll_timeout` the time of the next poll. Received commands are passed to the closure of `handle_datagram`, so the session
+/// has no event queue that needs a bound.
 #[derive(Debug)]
 pub struct RobotSession {
     profile: Profile,

@@ -11,9 +11,9 @@ use crate::send_rate::Arrivals;
 use std::time::Duration;
 
 impl RobotSession {
-    /// Takes a datagram; passes on each command once in this start. A late one counts as expired, unless the receiver knows a fate from an
-    /// earlier start and sets it.
-    pub fn receive(
+    /// Handles a received datagram. `carry_out` receives each command once per start. A late command counts as expired, unless the
+    /// caller knows its fate from an earlier start and sets it.
+    pub fn handle_datagram(
         &mut self,
         now: Duration,
         datagram: &mut [u8],
@@ -100,15 +100,15 @@ impl RobotSession {
         passed
     }
 
-    /// Passes on each command whose time has come, once.
-    pub fn take_due(&mut self, now: Duration, mut carry_out: impl FnMut(ReceivedCommand)) {
+    /// The next scheduled command whose time has come; each is returned once.
+    pub fn poll_command(&mut self, now: Duration) -> Option<ReceivedCommand> {
         while let Some(command) = self.scheduled.take(now_ms(now)) {
-            if now_ms(now) > command.not_after_ms {
-                self.set_command_state(now, command.id, CommandState::Expired, "");
-            } else {
-                carry_out(command);
+            if now_ms(now) <= command.not_after_ms {
+                return Some(command);
             }
+            self.set_command_state(now, command.id, CommandState::Expired, "");
         }
+        None
     }
 
     pub(super) fn take(&mut self, frame: ValueFrame<'_>, fetches: &mut Vec<Fetch>) {

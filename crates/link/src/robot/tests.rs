@@ -38,12 +38,12 @@ fn after_a_start_the_present_state_comes_before_any_history() {
     let (mut now, mut datagrams, mut is_shown) = (Duration::ZERO, 0, false);
     while !is_shown {
         now += Duration::from_millis(1);
-        while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
+        while let Some(mut datagram) = robot.poll_transmit(now, &mut LongHistory).expect("room") {
             datagrams += 1;
             let show = |shown: FromRobot<'_>| {
                 is_shown |= matches!(shown, FromRobot::Snapshot { sequence: 1_000, .. });
             };
-            station.receive(now, &mut datagram, show).expect("a datagram");
+            station.handle_datagram(now, &mut datagram, show).expect("a datagram");
         }
     }
     assert_eq!(datagrams, 1);
@@ -70,17 +70,18 @@ fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
         let mut received = 0;
         for _ in 0..ms {
             now += Duration::from_millis(1);
-            while let Some(mut datagram) = robot.transmit(now, &mut LongHistory).expect("room") {
+            while let Some(mut datagram) = robot.poll_transmit(now, &mut LongHistory).expect("room")
+            {
                 let show = |shown: FromRobot<'_>| received += machine_parts(&shown);
                 // A new station rejects datagrams with a short header.
-                let _rejected = station.receive(now, &mut datagram, show);
+                let _rejected = station.handle_datagram(now, &mut datagram, show);
             }
         }
         (received, now)
     };
     let (_, now) = received(&mut robot, &mut station, 1_000);
-    let mut report = station.transmit(now).expect("a number").expect("a report");
-    robot.receive(now, &mut report, |_| {}).expect("a report");
+    let mut report = station.poll_transmit(now).expect("a number").expect("a report");
+    robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
     assert_eq!(robot.progress(MACHINES), Some((3, 0)));
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
     assert_eq!(received(&mut robot, &mut station, 20_000).0, 3);
@@ -113,10 +114,11 @@ fn no_datagram_is_longer_than_the_profile_says() {
         let mut station = StationSession::new(&identity, profile.clone());
         let mut robot = RobotSession::new(&identity, profile.clone());
         robot.begin(RUN, 0);
-        let mut first = robot.transmit(now, &mut NoJournal).expect("a number").expect("a status");
-        station.receive(now, &mut first, |_| {}).expect("a status");
-        let mut report = station.transmit(now).expect("a number").expect("a report");
-        robot.receive(now, &mut report, |_| {}).expect("a report");
+        let mut first =
+            robot.poll_transmit(now, &mut NoJournal).expect("a number").expect("a status");
+        station.handle_datagram(now, &mut first, |_| {}).expect("a status");
+        let mut report = station.poll_transmit(now).expect("a number").expect("a report");
+        robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
         let now = now + Duration::from_secs(1);
         robot.set_calendar(now, u64::MAX);
         let items = vec![9; length];
@@ -125,7 +127,7 @@ fn no_datagram_is_longer_than_the_profile_says() {
             EventBlockRef { first_sequence: 1, count: 1, time_before: 1 << 50, bytes: &items },
         );
         robot.set_state(RUN, &vec![b's'; 260 - length], false);
-        while let Some(datagram) = robot.transmit(now, &mut NoJournal).expect("a number") {
+        while let Some(datagram) = robot.poll_transmit(now, &mut NoJournal).expect("a number") {
             assert!(datagram.len() <= 300, "{} bytes with {length} of items", datagram.len());
         }
     }
@@ -169,12 +171,12 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     // A step of both; what the robot hears is what the station says, or nothing.
     let go_on =
         |robot: &mut RobotSession, station: &mut StationSession, is_heard, now: Duration| {
-            while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
+            while let Some(mut datagram) = robot.poll_transmit(now, &mut Journal).expect("room") {
                 // Without the start of the robot, which comes with each status, a short header says nothing.
-                let _unreadable = station.receive(now, &mut datagram, |_| {});
+                let _unreadable = station.handle_datagram(now, &mut datagram, |_| {});
             }
-            while is_heard && let Some(mut report) = station.transmit(now).expect("room") {
-                robot.receive(now, &mut report, |_| {}).expect("a report");
+            while is_heard && let Some(mut report) = station.poll_transmit(now).expect("room") {
+                robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
             }
         };
     for _ in 0..2_000 {
@@ -186,7 +188,7 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     let events = station.received(RUN).expect("a run");
     let mut restarted = StationSession::new(&identity(2), Profile::DELAY_2S);
     restarted.restore(RUN, events.into_owned());
-    let mut on_its_way = restarted.transmit(now).expect("room").expect("a report");
+    let mut on_its_way = restarted.poll_transmit(now).expect("room").expect("a report");
     let append = |robot: &mut RobotSession, event| {
         let items = items(event, event);
         robot.append(
@@ -202,7 +204,7 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     let received = |station: &StationSession| station.progress(RUN).map(|it| it.contiguous);
     assert_eq!(received(&restarted), Some(2_000), "without the context, nothing can be read");
 
-    robot.receive(now, &mut on_its_way, |_| {}).expect("a report");
+    robot.handle_datagram(now, &mut on_its_way, |_| {}).expect("a report");
     now += Duration::from_millis(500);
     go_on(&mut robot, &mut restarted, false, now);
     assert_eq!(received(&restarted), Some(2_020));
@@ -219,19 +221,19 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     let (mut now, mut late) = (Duration::ZERO, None);
     for step in 0..2_000 {
         now += Duration::from_millis(10);
-        while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
-            station.receive(now, &mut datagram, |_| {}).expect("a datagram");
+        while let Some(mut datagram) = robot.poll_transmit(now, &mut Journal).expect("room") {
+            station.handle_datagram(now, &mut datagram, |_| {}).expect("a datagram");
         }
-        while let Some(mut report) = station.transmit(now).expect("room") {
+        while let Some(mut report) = station.poll_transmit(now).expect("room") {
             if step > 1_500 {
                 late = Some(report);
             } else {
-                robot.receive(now, &mut report, |_| {}).expect("a report");
+                robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
             }
         }
     }
     now += Duration::from_mins(12);
-    robot.receive(now, &mut late.expect("a report"), |_| {}).expect("a report");
+    robot.handle_datagram(now, &mut late.expect("a report"), |_| {}).expect("a report");
     robot.advance(RUN, 2_100);
     let mut restarted = StationSession::new(
         &Identity { start: SenderStart::new(2, 0), heard: station.horizon(), ..identity },
@@ -241,8 +243,8 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     restarted.restore(RUN, events.into_owned());
     for _ in 0..100 {
         now += Duration::from_millis(10);
-        while let Some(mut datagram) = robot.transmit(now, &mut Journal).expect("room") {
-            restarted.receive(now, &mut datagram, |_| {}).expect("a datagram");
+        while let Some(mut datagram) = robot.poll_transmit(now, &mut Journal).expect("room") {
+            restarted.handle_datagram(now, &mut datagram, |_| {}).expect("a datagram");
         }
     }
     assert_eq!(restarted.progress(RUN).map(|it| it.contiguous), Some(2_100));
@@ -300,7 +302,7 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
         if step == 1_000 {
             station = StationSession::new(&identity(2), profile.clone());
         }
-        while let Some(datagram) = robot.transmit(now, &mut source).expect("room") {
+        while let Some(datagram) = robot.poll_transmit(now, &mut source).expect("room") {
             down.push((now + delay, datagram));
         }
         for (_, mut datagram) in down.extract_if(.., |(at, _)| *at <= now) {
@@ -311,13 +313,13 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
                 }
             };
             // Without the start of the robot, which comes with each status, a short header says nothing.
-            let _unreadable = station.receive(now, &mut datagram, show);
+            let _unreadable = station.handle_datagram(now, &mut datagram, show);
         }
-        while let Some(report) = station.transmit(now).expect("room") {
+        while let Some(report) = station.poll_transmit(now).expect("room") {
             up.push((now + delay, report));
         }
         for (_, mut report) in up.extract_if(.., |(at, _)| *at <= now) {
-            robot.receive(now, &mut report, |_| {}).expect("a report");
+            robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
         }
         let sent = robot.traffic().0.by_kind.get("snapshots").copied().unwrap_or_default();
         let part = usize::try_from((step - 1) / 500).expect("four parts");
@@ -364,16 +366,16 @@ fn order(
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
     let (mut now, mut order) = (Duration::ZERO, Vec::new());
     while !is_enough(&order, now) {
-        if let Some(mut datagram) = robot.transmit(now, &mut LongHistory).unwrap() {
+        if let Some(mut datagram) = robot.poll_transmit(now, &mut LongHistory).unwrap() {
             let note = |shown: FromRobot<'_>| {
                 if let FromRobot::Events { stream, .. } = shown {
                     order.push(stream);
                 }
             };
-            station.receive(now, &mut datagram, note).unwrap();
+            station.handle_datagram(now, &mut datagram, note).unwrap();
         }
-        if let Some(mut answer) = station.transmit(now).unwrap().filter(|_| is_heard) {
-            robot.receive(now, &mut answer, |_| {}).unwrap();
+        if let Some(mut answer) = station.poll_transmit(now).unwrap().filter(|_| is_heard) {
+            robot.handle_datagram(now, &mut answer, |_| {}).unwrap();
         }
         now += Duration::from_millis(1);
     }
@@ -441,7 +443,7 @@ fn told_chain(station: &mut StationSession, now: Duration, datagram: &mut [u8]) 
             told = chain.map(|chain| chain.hash);
         }
     };
-    station.receive(now, datagram, show).expect("a datagram");
+    station.handle_datagram(now, datagram, show).expect("a datagram");
     told
 }
 
@@ -462,15 +464,17 @@ fn a_run_is_complete_once_the_hash_of_its_events_was_heard() {
     let mut wait_until_complete = |robot: &mut RobotSession| {
         while !robot.is_complete(RUN) && now < Duration::from_mins(1) {
             now += Duration::from_millis(10);
-            while let Some(mut datagram) = robot.transmit(now, &mut NoJournal).expect("a number") {
+            while let Some(mut datagram) =
+                robot.poll_transmit(now, &mut NoJournal).expect("a number")
+            {
                 sent += 1;
                 // The first one after the hash was set is lost.
                 if sent != 2 {
                     told.extend(told_chain(&mut station, now, &mut datagram));
                 }
             }
-            while let Some(mut report) = station.transmit(now).expect("a number") {
-                robot.receive(now, &mut report, |_| {}).expect("a report");
+            while let Some(mut report) = station.poll_transmit(now).expect("a number") {
+                robot.handle_datagram(now, &mut report, |_| {}).expect("a report");
             }
         }
         told.clone()

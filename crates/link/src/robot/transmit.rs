@@ -12,7 +12,7 @@ use std::time::Duration;
 
 impl RobotSession {
     /// The next datagram, if one is due.
-    pub fn transmit(
+    pub fn poll_transmit(
         &mut self,
         now: Duration,
         source: &mut impl RunSource,
@@ -77,7 +77,7 @@ impl RobotSession {
     }
 
     /// When something may be due next; earlier if anything is received or appended.
-    pub fn next_transmit(&self, now: Duration) -> Duration {
+    pub fn poll_timeout(&self, now: Duration) -> Duration {
         let is_heard = self.is_heard(now);
         let free_at = self.end.pacer.free_at();
         let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));

@@ -41,7 +41,11 @@ use value_requests::ValueRequests;
 /// Part of a command's lifetime that no link needs: the time of a runner that is busy.
 const COMMAND_TIME: Duration = Duration::from_secs(10);
 
-/// The station's side.
+/// The station's side: a state machine without sockets and clocks, which its owner polls.
+///
+/// Received datagrams enter through `handle_datagram`. `poll_transmit` returns datagrams to send, and `poll_timeout` the time of the
+/// next poll. Received events are passed to the closure of `handle_datagram`: they borrow from the datagram, and a queue for a
+/// `poll_event` would copy them.
 #[derive(Debug)]
 pub struct StationSession {
     profile: Profile,
@@ -255,7 +259,7 @@ impl StationSession {
     }
 
     /// The next datagram, if one is due.
-    pub fn transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
+    pub fn poll_transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
         let before = self.end.heard.before(now);
         let is_heard = before.is_some_and(|before| before < self.profile.silence());
         let room = self.end.path.max() - self.end.overhead(is_heard);
@@ -279,7 +283,7 @@ impl StationSession {
     }
 
     /// When something may be due next; earlier if anything is received.
-    pub fn next_transmit(&self, now: Duration) -> Duration {
+    pub fn poll_timeout(&self, now: Duration) -> Duration {
         let report = self.report_at().min(self.value_requests.due_at());
         let free_at = self.end.pacer.free_at();
         report.max(free_at).min(self.commands.due_at(free_at)).max(now)

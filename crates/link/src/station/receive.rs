@@ -12,8 +12,8 @@ use rafcon_events::EventBlockRef;
 use std::time::Duration;
 
 impl StationSession {
-    /// Takes a datagram; passes on what is new in it.
-    pub fn receive(
+    /// Handles a received datagram. `show` receives its new content.
+    pub fn handle_datagram(
         &mut self,
         now: Duration,
         datagram: &mut [u8],

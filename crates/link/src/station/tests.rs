@@ -58,12 +58,13 @@ impl Pair {
     pub(super) fn go_one_way(&mut self, ms: u64) {
         for _ in 0..ms {
             self.now += Duration::from_millis(1);
-            while let Some(mut datagram) = self.robot.transmit(self.now, &mut NoRuns).expect("room")
+            while let Some(mut datagram) =
+                self.robot.poll_transmit(self.now, &mut NoRuns).expect("room")
             {
                 let show = |shown: FromRobot<'_>| self.told.extend(state(&shown));
-                check_received(self.station.receive(self.now, &mut datagram, show));
+                check_received(self.station.handle_datagram(self.now, &mut datagram, show));
             }
-            while self.station.transmit(self.now).expect("room").is_some() {}
+            while self.station.poll_transmit(self.now).expect("room").is_some() {}
         }
     }
 
@@ -71,7 +72,8 @@ impl Pair {
     pub(super) fn go_on(&mut self, ms: u64, is_heard: bool) {
         for _ in 0..ms {
             self.now += Duration::from_millis(1);
-            while let Some(mut datagram) = self.robot.transmit(self.now, &mut NoRuns).expect("room")
+            while let Some(mut datagram) =
+                self.robot.poll_transmit(self.now, &mut NoRuns).expect("room")
             {
                 if !is_heard {
                     continue;
@@ -81,16 +83,17 @@ impl Pair {
                     FromRobot::NewKey { id, .. } => *offered = Some(id),
                     shown => told.extend(state(&shown)),
                 };
-                check_received(self.station.receive(self.now, &mut datagram, show));
+                check_received(self.station.handle_datagram(self.now, &mut datagram, show));
             }
-            while let Some(mut datagram) = self.station.transmit(self.now).expect("room") {
+            while let Some(mut datagram) = self.station.poll_transmit(self.now).expect("room") {
                 let carry_out = |command: crate::ReceivedCommand| {
                     self.carried_out.extend((!command.is_late).then_some(command.id));
                 };
-                check_received(self.robot.receive(self.now, &mut datagram, carry_out));
+                check_received(self.robot.handle_datagram(self.now, &mut datagram, carry_out));
             }
-            let (now, all) = (self.now, &mut self.carried_out);
-            self.robot.take_due(now, |command| all.push(command.id));
+            while let Some(command) = self.robot.poll_command(self.now) {
+                self.carried_out.push(command.id);
+            }
         }
     }
 }
@@ -217,8 +220,8 @@ fn a_new_key_is_used_once_both_sides_have_it_and_the_one_before_until_then() {
     };
     let mut replayed = StationSession::new(&before, Profile::LAN);
     replayed.restore(StreamId(1), RangeSet::default());
-    let mut datagram = replayed.transmit(pair.now).expect("room").expect("a report");
-    assert!(pair.robot.receive(pair.now, &mut datagram, |_| ()).is_err());
+    let mut datagram = replayed.poll_transmit(pair.now).expect("room").expect("a report");
+    assert!(pair.robot.handle_datagram(pair.now, &mut datagram, |_| ()).is_err());
 }
 
 #[test]

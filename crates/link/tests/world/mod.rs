@@ -98,20 +98,23 @@ impl World {
                 };
                 self.robot.append(RUN, block);
             }
-            while let Some(datagram) = self.robot.transmit(self.now, &mut journal).expect("room") {
+            while let Some(datagram) =
+                self.robot.poll_transmit(self.now, &mut journal).expect("room")
+            {
                 if datagram.len() <= self.carries {
                     self.down.send(self.now, datagram);
                 }
             }
-            while let Some(datagram) = self.station.transmit(self.now).expect("room") {
+            while let Some(datagram) = self.station.poll_transmit(self.now).expect("room") {
                 if datagram.len() <= self.carries {
                     self.up.send(self.now, datagram);
                 }
             }
             while let Some(mut datagram) = self.up.arrive(self.now) {
                 let all = &mut self.carried_out;
-                let _doubled =
-                    self.robot.receive(self.now, &mut datagram, |command| all.push(command.id));
+                let _doubled = self
+                    .robot
+                    .handle_datagram(self.now, &mut datagram, |command| all.push(command.id));
             }
             while let Some(mut datagram) = self.down.arrive(self.now) {
                 self.receive(&mut datagram);
@@ -133,7 +136,7 @@ impl World {
             FromRobot::Events { block, .. } => *files += block.count,
             _ => {}
         };
-        let _doubled = self.station.receive(now, datagram, show);
+        let _doubled = self.station.handle_datagram(now, datagram, show);
     }
 
     /// The longest delay of the 99 % fastest events of this time, beyond that of the link.

@@ -17,9 +17,8 @@ use std::time::Duration;
 impl RobotRelay<'_> {
     /// Carries out the commands whose time has come.
     pub(super) fn carry_out_due(&mut self) {
-        let (now, mut commands) = (self.clock.now(), Vec::new());
-        self.session.take_due(now, |command| commands.push(command));
-        for command in commands {
+        let now = self.clock.now();
+        while let Some(command) = self.session.poll_command(now) {
             self.command(now, command);
         }
     }

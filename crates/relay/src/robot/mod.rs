@@ -104,7 +104,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         relay.scan_watched(now);
         relay.send()?;
         let next =
-            relay.session.next_transmit(now).min(next_scan_at).min(next_step_at).min(next_save_at);
+            relay.session.poll_timeout(now).min(next_scan_at).min(next_step_at).min(next_save_at);
         let mut time = next.saturating_sub(relay.clock.now());
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
@@ -300,7 +300,8 @@ impl<'s> RobotRelay<'s> {
 
     fn send(&mut self) -> Result<(), RelayError> {
         for _ in 0..SENDS_AT_ONCE {
-            let Some(datagram) = self.session.transmit(self.clock.now(), &mut self.runs)? else {
+            let Some(datagram) = self.session.poll_transmit(self.clock.now(), &mut self.runs)?
+            else {
                 break;
             };
             self.carrier.send(&datagram);
@@ -324,7 +325,8 @@ impl<'s> RobotRelay<'s> {
 
     fn receive(&mut self, from: &Carrier, mut datagram: Vec<u8>) {
         let (now, mut commands) = (self.clock.now(), Vec::new());
-        let used = self.session.receive(now, &mut datagram, |command| commands.push(command));
+        let used =
+            self.session.handle_datagram(now, &mut datagram, |command| commands.push(command));
         match used {
             Ok(()) => from.note_heard(),
             // A repeated datagram, or one from a stranger, has no answer.

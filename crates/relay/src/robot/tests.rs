@@ -97,7 +97,7 @@ fn datagrams_pass_while_the_folder_of_a_run_cannot_be_read() {
     while station.robot_clock(clock.now()).is_none_or(|clock| clock.earliest_ms < 2_500) {
         let mut datagram = vec![0; 65_535];
         let length = socket.recv(&mut datagram).unwrap();
-        station.receive(clock.now(), &mut datagram[..length], |_| {}).unwrap();
+        station.handle_datagram(clock.now(), &mut datagram[..length], |_| {}).unwrap();
     }
     stopper.stop();
     // Releases the thread, so that the robot ends.

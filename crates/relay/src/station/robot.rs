@@ -163,7 +163,7 @@ impl StationRobot {
     /// Sends due datagrams. Returns the time of the next one.
     pub(super) fn send(&mut self) -> Result<Duration, RelayError> {
         self.link.send(&mut self.session)?;
-        Ok(self.session.next_transmit(self.clock.now()))
+        Ok(self.session.poll_timeout(self.clock.now()))
     }
 
     /// Applies a datagram. Returns false if it is of another robot.

@@ -89,12 +89,12 @@ fn datagrams_pass_while_the_pairings_and_contacts_cannot_be_read() {
     socket.set_nonblocking(true).unwrap();
     // The station answers, although its disk hangs.
     while robot.heard_before(clock.now()).is_none() {
-        while let Some(datagram) = robot.transmit(clock.now(), &mut NoRuns).unwrap() {
+        while let Some(datagram) = robot.poll_transmit(clock.now(), &mut NoRuns).unwrap() {
             socket.send_to(&datagram, address).unwrap();
         }
         let mut datagram = vec![0; 65_535];
         if let Ok(length) = socket.recv(&mut datagram) {
-            robot.receive(clock.now(), &mut datagram[..length], |_| {}).unwrap();
+            robot.handle_datagram(clock.now(), &mut datagram[..length], |_| {}).unwrap();
         }
         thread::yield_now();
     }

@@ -178,7 +178,7 @@ impl Robot {
         let (local, state) = (server.clock.local(now), &mut self.state);
         let mut journal = Journal { mission, state, head: server.head };
         let session = &mut server.sessions[station];
-        session.transmit(local, &mut journal).map_err(|error| error.to_string())
+        session.poll_transmit(local, &mut journal).map_err(|error| error.to_string())
     }
 
     /// Traffic to a station since the start of the server.
@@ -190,7 +190,7 @@ impl Robot {
     /// Time of the next action for a station.
     pub(super) fn next(&self, now: Duration, station: usize) -> Option<Duration> {
         let server = self.server.as_ref()?;
-        let next = server.sessions[station].next_transmit(server.clock.local(now));
+        let next = server.sessions[station].poll_timeout(server.clock.local(now));
         server.clock.real(next)
     }
 
@@ -205,7 +205,7 @@ impl Robot {
         let (local, mut received) = (server.clock.local(now), Vec::new());
         let session = &mut server.sessions[station];
         let _of_an_earlier_start_or_doubled =
-            session.receive(local, &mut datagram, |command| received.push(command));
+            session.handle_datagram(local, &mut datagram, |command| received.push(command));
         self.disk.heard[station] = session.horizon();
         self.disk.watched[station].take(session);
         let mut done = Vec::new();

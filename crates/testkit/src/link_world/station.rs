@@ -82,7 +82,7 @@ impl Station {
 
     pub(super) fn next(&self, now: Duration) -> Option<Duration> {
         let server = self.server.as_ref()?;
-        let next = server.clock.real(server.session.next_transmit(server.clock.local(now)));
+        let next = server.clock.real(server.session.poll_timeout(server.clock.local(now)));
         let may_sync = !server.unsynced.is_empty() && !self.disk.is_full;
         let sync = may_sync.then(|| server.synced + SYNC_EVERY);
         next.into_iter().chain(sync).min()
@@ -99,7 +99,7 @@ impl Station {
             server.synced = now;
         }
         let local = server.clock.local(now);
-        server.session.transmit(local).map_err(|error| error.to_string())
+        server.session.poll_transmit(local).map_err(|error| error.to_string())
     }
 
     pub(super) fn receive(&mut self, now: Duration, mission: &Mission, mut datagram: Vec<u8>) {
@@ -108,7 +108,7 @@ impl Station {
         let StationServer { session, unsynced, snapshot, fates, .. } = server;
         let different = &mut self.different;
         let _of_an_earlier_start_or_doubled =
-            session.receive(local, &mut datagram, |shown| match shown {
+            session.handle_datagram(local, &mut datagram, |shown| match shown {
                 FromRobot::Events { block, .. } => {
                     let made = mission.items(block.first_sequence, block.last_sequence());
                     *different += u64::from(made != (block.time_before, block.bytes));

@@ -39,7 +39,7 @@ impl RobotLink {
 
     /// Sends due datagrams.
     pub(super) fn send(&self, session: &mut StationSession) -> Result<(), RelayError> {
-        while let Some(datagram) = session.transmit(self.clock.now())? {
+        while let Some(datagram) = session.poll_transmit(self.clock.now())? {
             if let Some(carrier) = &self.carrier {
                 carrier.send(&datagram);
             }
@@ -56,7 +56,7 @@ impl RobotLink {
     ) -> Option<Vec<Received>> {
         let mut received = Vec::new();
         let before = session.horizon();
-        let taken = session.receive(self.clock.now(), &mut datagram.to_vec(), |shown| {
+        let taken = session.handle_datagram(self.clock.now(), &mut datagram.to_vec(), |shown| {
             received.extend(Received::of(shown));
         });
         match taken {

@@ -79,7 +79,9 @@ impl Pair {
             self.hear_disk();
             let from =
                 Carrier::Udp(Arc::clone(&self.sockets.0), self.sockets.1.local_addr().unwrap());
-            while let Some(datagram) = self.robot.transmit(self.clock.now(), &mut NoRuns).unwrap() {
+            while let Some(datagram) =
+                self.robot.poll_transmit(self.clock.now(), &mut NoRuns).unwrap()
+            {
                 // A start of the station cannot open a short header before a full one.
                 self.station.receive(&from, &datagram);
             }
@@ -90,7 +92,7 @@ impl Pair {
                 let (arrived, now) = (&mut self.arrived, self.clock.now());
                 // Datagrams of a dead start of the station are rejected.
                 let received =
-                    self.robot.receive(now, &mut datagram[..length], |it| arrived.push(it));
+                    self.robot.handle_datagram(now, &mut datagram[..length], |it| arrived.push(it));
                 received.unwrap_or_default();
             }
             thread::yield_now();
