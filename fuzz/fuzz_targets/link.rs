@@ -4,7 +4,7 @@
 use libfuzzer_sys::fuzz_target;
 use rafcon_link::{
     Direction, EventBlock, For, Identity, KeyId, PairingKey, Profile, RangeSet, RobotSession,
-    RunSource, Sealer, SenderStart, StationSession, StreamId, ValueId, ValueName,
+    RunSource, Sealer, SenderStart, SessionTime, StationSession, StreamId, ValueId, ValueName,
 };
 use std::time::Duration;
 
@@ -48,7 +48,7 @@ fuzz_target!(|bytes: &[u8]| {
     station.fetch(value, 20_000, RangeSet::default(), 40_000);
     let sealer = |direction| Sealer::new(id, &key, robot, direction, SenderStart::new(2, 0));
     let (mut down, mut up) = (sealer(Direction::Down), sealer(Direction::Up));
-    let (mut now, mut rest) = (Duration::ZERO, bytes);
+    let (mut now, mut rest) = (SessionTime::BEGIN, bytes);
     while let [how, length, after @ ..] = rest {
         let (payload, after) = after.split_at((usize::from(*length) * 5).min(after.len()));
         (now, rest) = (now + Duration::from_millis(100), after);

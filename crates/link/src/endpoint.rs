@@ -10,6 +10,7 @@ use crate::seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     SealError, Sealer, SenderStart,
 };
+use crate::session_time::SessionTime;
 use crate::traffic::Traffic;
 use std::time::Duration;
 
@@ -188,7 +189,7 @@ impl Endpoint {
     /// The datagram with this payload, which is sent now.
     pub(crate) fn seal(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         whom: For,
         payload: &PayloadWriter,
     ) -> Result<Vec<u8>, SealError> {
@@ -206,7 +207,7 @@ impl Endpoint {
     /// Opens a datagram of the other side.
     pub(crate) fn open<'d>(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         datagram: &'d mut [u8],
     ) -> Result<Arrived<'d>, Unusable> {
         let length = datagram.len();

@@ -4,6 +4,7 @@ use crate::frame::Frame;
 use crate::path_size::LongestReceived;
 use crate::profile::CARRIER_OVERHEAD;
 use crate::seal::Generation;
+use crate::session_time::{SessionTime, millis};
 use std::time::Duration;
 
 /// The newest time that was in a datagram of the other side.
@@ -18,7 +19,7 @@ struct Newest {
     /// The newest packet number of that start.
     number: u64,
     at_ms: u64,
-    heard_at: Duration,
+    heard_at: SessionTime,
     /// By how much overtaken datagrams were late; forgotten slowly.
     late_ms: u64,
     /// Bytes received from that start, with the headers of the carrier.
@@ -33,7 +34,7 @@ impl Heard {
         (start, number): (Generation, u64),
         at_ms: u64,
         length: usize,
-        now: Duration,
+        now: SessionTime,
     ) -> bool {
         let bytes = (length + CARRIER_OVERHEAD) as u64;
         match &mut self.newest {
@@ -61,8 +62,8 @@ impl Heard {
     }
 
     /// Time since the last datagram of the other side.
-    pub(crate) fn before(&self, now: Duration) -> Option<Duration> {
-        self.newest.as_ref().map(|newest| now.saturating_sub(newest.heard_at))
+    pub(crate) fn before(&self, now: SessionTime) -> Option<Duration> {
+        self.newest.as_ref().map(|newest| now.since(newest.heard_at))
     }
 
     /// Datagrams received from the present start of the other side.
@@ -71,14 +72,14 @@ impl Heard {
         Some(Frame::Arrived { bytes: *bytes, longest: longest.get() as u64 })
     }
 
-    pub(crate) fn frame(&self, now: Duration) -> Option<Frame<'static>> {
+    pub(crate) fn frame(&self, now: SessionTime) -> Option<Frame<'static>> {
         let newest = self.newest.as_ref()?;
-        let held = now.saturating_sub(newest.heard_at);
+        let held = now.since(newest.heard_at);
         Some(Frame::Heard {
             start: newest.start,
             number: newest.number,
             newest_ms: newest.at_ms,
-            held_ms: u64::try_from(held.as_millis()).unwrap_or(u64::MAX),
+            held_ms: millis(held),
             late_ms: newest.late_ms,
         })
     }

@@ -6,6 +6,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{NewestValue, RobotSession, RunSource};
 use crate::seal::{Direction, For, KeyId, OVERHEAD, Opener, PairingKey, Sealer, SenderStart};
+use crate::session_time::SessionTime;
 use crate::station::{GAPS_MAX, NewCommand, OPEN_MAX, PARTS_MAX, StationSession};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -88,7 +89,7 @@ static PAYLOADS: LazyLock<[Vec<Vec<u8>>; 2]> = LazyLock::new(|| {
     let mut openers = openers.map(|direction| Opener::new(ID, &key(), "scout", direction, None));
     let mut payloads = [Vec::new(), Vec::new()];
     for step in 0..1_000_u64 {
-        let now = Duration::from_millis(10 * step);
+        let now = SessionTime::from_millis(10 * step);
         if step % 10 == 0 {
             let (first, items) = (step / 10 + 1, item(step / 10 + 1));
             robot.append(
@@ -162,7 +163,7 @@ proptest! {
         let (mut from_robot, mut from_station) = (sealer(Direction::Down), sealer(Direction::Up));
         let most = down.len().max(up.len());
         for step in 0..most {
-            let now = Duration::from_millis(100 * step as u64);
+            let now = SessionTime::from_millis(100 * step as u64);
             for (payload, sealer, is_down) in [
                 (down.get(step), &mut from_robot, true),
                 (up.get(step), &mut from_station, false),
@@ -189,8 +190,8 @@ proptest! {
     fn noise_that_nobody_sealed_is_refused(mut noise in prop::collection::vec(any::<u8>(), 0..1_300)) {
         let (mut robot, mut station) = sessions();
         let opened = [
-            station.handle_datagram(Duration::ZERO, &mut noise.clone(), |_| {}).is_ok(),
-            robot.handle_datagram(Duration::ZERO, &mut noise, |_| {}).is_ok(),
+            station.handle_datagram(SessionTime::BEGIN, &mut noise.clone(), |_| {}).is_ok(),
+            robot.handle_datagram(SessionTime::BEGIN, &mut noise, |_| {}).is_ok(),
         ];
         prop_assert_eq!(opened, [false, false]);
     }
@@ -211,7 +212,7 @@ fn a_station_keeps_only_so_much_of_what_a_robot_names() {
             let mut datagram = Vec::new();
             sealer.seal(For::Anyone, &payload, &mut datagram).expect("a number");
             let _the_last_frame_is_cut =
-                station.handle_datagram(Duration::ZERO, &mut datagram, |_| {});
+                station.handle_datagram(SessionTime::BEGIN, &mut datagram, |_| {});
         }
     };
     let mut next = 0;
@@ -249,7 +250,8 @@ fn a_station_notes_only_so_many_parts_of_a_large_value() {
         payload.truncate(Profile::DELAY_2S.down_bytes_max - OVERHEAD);
         let mut datagram = Vec::new();
         sealer.seal(For::Anyone, &payload, &mut datagram).expect("a number");
-        let _the_last_frame_is_cut = station.handle_datagram(Duration::ZERO, &mut datagram, |_| {});
+        let _the_last_frame_is_cut =
+            station.handle_datagram(SessionTime::BEGIN, &mut datagram, |_| {});
     }
     let progress = station.fetch_progress(VALUE.id).expect("it is asked for");
     assert_eq!(progress.here.ranges_count(), 4_096);

@@ -23,6 +23,7 @@ mod replay_window;
 mod robot;
 mod seal;
 mod send_rate;
+mod session_time;
 mod station;
 mod traffic;
 #[cfg(test)]
@@ -47,6 +48,7 @@ pub use seal::{
     Direction, For, Generation, Horizon, KeyId, OVERHEAD, Opened, Opener, PairingKey, Rejected,
     Salt, SealError, Sealer, SenderStart,
 };
+pub use session_time::SessionTime;
 pub use station::{
     CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, RobotTimes,
     StationSession, StreamProgress, TimedCommand,

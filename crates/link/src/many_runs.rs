@@ -6,6 +6,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{RobotSession, RunSource};
 use crate::seal::{Direction, For, KeyId, PairingKey, Sealer, SenderStart};
+use crate::session_time::SessionTime;
 use crate::station::{FromRobot, OPEN_MAX, StationSession};
 use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -46,7 +47,7 @@ fn about_of(run: u32) -> StreamId {
 /// A robot and its station, with what their disks have.
 struct ShortRunWorld {
     key: PairingKey,
-    now: Duration,
+    now: SessionTime,
     starts: u32,
     robot: RobotSession,
     station: StationSession,
@@ -63,7 +64,7 @@ impl ShortRunWorld {
         let key = PairingKey::from_bytes([7; 32]);
         let identity = identity(&key, 1);
         Self {
-            now: Duration::ZERO,
+            now: SessionTime::BEGIN,
             starts: 1,
             robot: RobotSession::new(&identity, Profile::LAN),
             station: StationSession::new(&identity, Profile::LAN),
@@ -237,13 +238,13 @@ fn full() -> (StationSession, Sealer) {
     let mut station = StationSession::new(&identity(&key, 1), Profile::LAN);
     let mut robot = Sealer::new(KeyId(1), &key, "scout", Direction::Down, SenderStart::new(1, 0));
     for run in (0..).take(OPEN_MAX) {
-        name(&mut station, &mut robot, Duration::ZERO, run);
+        name(&mut station, &mut robot, SessionTime::BEGIN, run);
     }
     (station, robot)
 }
 
 /// The robot names a run.
-fn name(station: &mut StationSession, robot: &mut Sealer, now: Duration, run: u32) {
+fn name(station: &mut StationSession, robot: &mut Sealer, now: SessionTime, run: u32) {
     let (mut payload, mut datagram) = (vec![0], Vec::new());
     let stream = events_of(run);
     Frame::Status { stream, head: 9, is_over: false, state: b"", chain: None }.write(&mut payload);
@@ -254,7 +255,7 @@ fn name(station: &mut StationSession, robot: &mut Sealer, now: Duration, run: u3
 #[test]
 fn a_stream_that_is_turned_away_is_reported_and_comes_once_there_is_room() {
     let (mut station, mut robot) = full();
-    let (now, new) = (Duration::from_secs(1), u32::MAX / 8);
+    let (now, new) = (SessionTime::from_millis(1_000), u32::MAX / 8);
     assert!(!station.is_crowded(now));
     name(&mut station, &mut robot, now, new);
     assert!(station.is_crowded(now));
@@ -268,7 +269,7 @@ fn a_stream_that_is_turned_away_is_reported_and_comes_once_there_is_room() {
 fn a_stream_that_the_robot_does_not_name_any_more_makes_room() {
     for (seconds, makes_room) in [(599, false), (600, true), (3_600, true)] {
         let (mut station, mut robot) = full();
-        let now = Duration::from_secs(seconds);
+        let now = SessionTime::after(Duration::from_secs(seconds));
         for run in (1..).take(OPEN_MAX) {
             name(&mut station, &mut robot, now, run);
         }
@@ -287,7 +288,7 @@ fn the_oldest_of_too_many_settled_streams_is_forgotten_and_may_come_again() {
     }
     let is_known = |run: u32| station.progress(events_of(run)).is_some();
     assert_eq!([0, 1, 2, 3, 4].map(is_known), [false, false, true, true, true]);
-    name(&mut station, &mut robot, Duration::ZERO, 0);
+    name(&mut station, &mut robot, SessionTime::BEGIN, 0);
     assert!(station.progress(events_of(0)).is_some_and(|it| it.contiguous == 0));
 }
 
@@ -301,7 +302,7 @@ fn of_more_open_runs_than_fit_into_a_report_each_is_reported() {
         station.restore(events_of(run), RangeSet::up_to(9));
     }
     for second in 1..600 {
-        let now = Duration::from_secs(second);
+        let now = SessionTime::after(Duration::from_secs(second));
         while let Some(mut datagram) = station.poll_transmit(now).expect("a number") {
             robot.handle_datagram(now, &mut datagram, |_| {}).expect("a report");
         }

@@ -1,7 +1,7 @@
 //! Length of datagrams that the path carries. Some paths drop longer ones without a word.
 
 use crate::profile::CARRIER_OVERHEAD;
-use crate::robot::now_ms;
+use crate::session_time::{SessionTime, millis};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -37,7 +37,8 @@ pub(crate) struct PathSize {
     reported: (u64, u64),
     /// Lengths of lost datagrams since one of at least their length arrived.
     lost: Vec<usize>,
-    retry_at: Duration,
+    /// When the length of the profile is tried again. `None` while it is in use.
+    retry_at: Option<SessionTime>,
     /// Datagrams that were sent without reports.
     unheard: u64,
 }
@@ -60,7 +61,7 @@ impl PathSize {
             short_bytes: 0,
             reported: (0, 0),
             lost: Vec::new(),
-            retry_at: Duration::MAX,
+            retry_at: None,
             unheard: 0,
         }
     }
@@ -83,8 +84,8 @@ impl PathSize {
     }
 
     /// Counts a sent datagram.
-    pub(crate) fn sent(&mut self, now: Duration, length: usize) {
-        let at_ms = now_ms(now);
+    pub(crate) fn sent(&mut self, now: SessionTime, length: usize) {
+        let at_ms = now.as_millis();
         let is_due = self.sent.back().is_none_or(|last| at_ms >= last.at_ms + NOTE_EVERY);
         if length <= LENGTH_MIN {
             self.short_bytes += (length + CARRIER_OVERHEAD) as u64;
@@ -94,8 +95,8 @@ impl PathSize {
                 self.sent.pop_front();
             }
         }
-        if now >= self.retry_at {
-            (self.max, self.retry_at) = (self.profile_max, Duration::MAX);
+        if self.retry_at.is_some_and(|at| now >= at) {
+            (self.max, self.retry_at) = (self.profile_max, None);
             self.sent.clear();
             self.lost.clear();
         }
@@ -105,12 +106,12 @@ impl PathSize {
     /// newest one that was not overtaken. Returns whether the limit has become lower.
     pub(crate) fn report(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         longest: usize,
         arrived: u64,
         newest_ms: u64,
     ) -> bool {
-        let oldest_ms = newest_ms.saturating_sub(now_ms(RECENT));
+        let oldest_ms = newest_ms.saturating_sub(millis(RECENT));
         self.lost.retain(|length| *length > longest);
         let covered = self.sent.partition_point(|note| note.at_ms <= newest_ms);
         let Some(short_bytes) = self.sent.range(..covered).next_back().map(|it| it.short_bytes)
@@ -134,7 +135,7 @@ impl PathSize {
         let shortest = self.lost.iter().copied().min().unwrap_or(usize::MAX);
         let fits = |length: &usize| *length < shortest.min(self.max);
         let Some(max) = LENGTHS.into_iter().find(fits) else { return false };
-        (self.max, self.retry_at) = (max, now + RETRY_EVERY);
+        (self.max, self.retry_at) = (max, Some(now + RETRY_EVERY));
         self.sent.clear();
         self.lost.clear();
         true
@@ -146,11 +147,11 @@ impl PathSize {
 pub(crate) struct LongestReceived {
     present: usize,
     before: usize,
-    until: Duration,
+    until: SessionTime,
 }
 
 impl LongestReceived {
-    pub(crate) fn add(&mut self, now: Duration, length: usize) {
+    pub(crate) fn add(&mut self, now: SessionTime, length: usize) {
         if now >= self.until {
             let is_recent = now < self.until + RECENT;
             self.before = if is_recent { self.present } else { 0 };
@@ -168,10 +169,11 @@ impl LongestReceived {
 #[cfg(test)]
 mod tests {
     use super::{CARRIER_OVERHEAD, LENGTHS, LOST, LongestReceived, NOTES_MAX, PathSize};
+    use crate::session_time::SessionTime;
     use std::time::Duration;
 
-    const fn ms(ms: u64) -> Duration {
-        Duration::from_millis(ms)
+    const fn ms(ms: u64) -> SessionTime {
+        SessionTime::from_millis(ms)
     }
 
     /// Limits that follow from reports of a path that drops what is longer than this.
@@ -212,7 +214,7 @@ mod tests {
         assert!(!lost(&mut path, LOST - 1));
         assert!(lost(&mut path, LOST));
         assert_eq!(path.shortened(), Some(1_000));
-        path.sent(Duration::from_mins(11), 90);
+        path.sent(SessionTime::after(Duration::from_mins(11)), 90);
         assert_eq!(path.shortened(), None);
     }
 

@@ -2,8 +2,7 @@
 
 use crate::bytes::write_number;
 use crate::frame::Frame;
-use crate::robot::now_ms;
-use std::time::Duration;
+use crate::session_time::SessionTime;
 
 /// A payload that grows frame by frame up to its limit.
 #[derive(Debug)]
@@ -16,9 +15,9 @@ pub(crate) struct PayloadWriter {
 
 impl PayloadWriter {
     /// A payload of at most this many bytes that is sent now.
-    pub(crate) fn new(now: Duration, bytes_max: usize) -> Self {
+    pub(crate) fn new(now: SessionTime, bytes_max: usize) -> Self {
         let mut bytes = Vec::with_capacity(bytes_max);
-        write_number(now_ms(now), &mut bytes);
+        write_number(now.as_millis(), &mut bytes);
         Self { bytes, bytes_max, frames: Vec::new() }
     }
 
@@ -100,16 +99,16 @@ impl PayloadWriter {
 mod tests {
     use super::PayloadWriter;
     use crate::frame::Frame;
-    use std::time::Duration;
+    use crate::session_time::SessionTime;
 
     #[test]
     fn frames_that_do_not_fit_leave_nothing_behind() {
         let frame = Frame::Calendar { began_ms: 7 };
-        let mut payload = PayloadWriter::new(Duration::from_millis(1), 4);
+        let mut payload = PayloadWriter::new(SessionTime::from_millis(1), 4);
         assert!(payload.is_empty() && payload.try_frame(&frame));
         assert!(!payload.try_frame(&frame));
         assert_eq!((payload.len(), payload.left(), payload.frames().len()), (3, 1, 1));
-        let mut payload = PayloadWriter::new(Duration::from_millis(1), 4);
+        let mut payload = PayloadWriter::new(SessionTime::from_millis(1), 4);
         assert!(!payload.try_frames([&frame, &frame]));
         assert!(payload.is_empty());
         assert_eq!(payload.bytes(), [1]);

@@ -1,5 +1,6 @@
 //! Properties of a link before it is measured, and the schedule of its datagrams.
 
+use crate::session_time::SessionTime;
 use std::time::Duration;
 
 /// The properties of a link that its users set. Everything that depends on the delay is measured.
@@ -133,16 +134,16 @@ pub const CARRIER_OVERHEAD: usize = 28;
 #[derive(Debug)]
 pub(crate) struct Pacer {
     bits_per_s: u64,
-    free_at: Duration,
+    free_at: SessionTime,
 }
 
 impl Pacer {
     pub(crate) fn new(bits_per_s: u64) -> Self {
-        Self { bits_per_s: bits_per_s.max(1), free_at: Duration::ZERO }
+        Self { bits_per_s: bits_per_s.max(1), free_at: SessionTime::BEGIN }
     }
 
     /// Time at which the last datagram has left.
-    pub(crate) fn free_at(&self) -> Duration {
+    pub(crate) fn free_at(&self) -> SessionTime {
         self.free_at
     }
 
@@ -152,9 +153,9 @@ impl Pacer {
     }
 
     /// Counts a sent datagram of this length.
-    pub(crate) fn spend(&mut self, now: Duration, datagram: usize) {
+    pub(crate) fn spend(&mut self, now: SessionTime, datagram: usize) {
         let bits = (datagram + CARRIER_OVERHEAD) as u64 * 8;
         let takes = Duration::from_nanos(bits.saturating_mul(1_000_000_000) / self.bits_per_s);
-        self.free_at = self.free_at.max(now).saturating_add(takes);
+        self.free_at = self.free_at.max(now) + takes;
     }
 }

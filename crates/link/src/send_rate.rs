@@ -3,7 +3,7 @@
 
 use crate::loss_rate::LossRate;
 use crate::profile::{CARRIER_OVERHEAD, Profile};
-use crate::robot::now_ms;
+use crate::session_time::{SessionTime, millis};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -72,7 +72,7 @@ pub(crate) struct SendRate {
     /// Time that the longest datagram needs at the configured rate, in ms.
     datagram_ms: u64,
     /// Time of the last change of the rate.
-    changed: Duration,
+    changed: SessionTime,
     /// True until the first congestion, or until the configured rate is reached.
     is_beginning: bool,
     /// Measured while the link was congested. `None` if the link carries the configured rate.
@@ -83,7 +83,7 @@ pub(crate) struct SendRate {
     congestion: Option<Congestion>,
     /// Measurements in a row that show a queue.
     congested: u32,
-    probe_at: Duration,
+    probe_at: SessionTime,
     /// Sent bytes up to some times in ms.
     sent: VecDeque<(u64, u64)>,
     sent_bytes: u64,
@@ -93,7 +93,7 @@ pub(crate) struct SendRate {
 /// A time during which the link has a queue.
 #[derive(Debug)]
 struct Congestion {
-    began: Duration,
+    began: SessionTime,
     /// Longest queue in ms.
     queue_ms: u64,
     /// Highest arrival rate. A cut lowers the rate of some measurements.
@@ -108,8 +108,8 @@ impl SendRate {
         Self {
             configured,
             current: (configured / BEGIN).max(1),
-            changed: Duration::ZERO,
-            cut_ms: now_ms(profile.report_idle_every() * 4),
+            changed: SessionTime::BEGIN,
+            cut_ms: millis(profile.report_idle_every() * 4),
             datagram_ms: datagram_bits * 1_000 / configured,
             is_beginning: true,
             capacity: None,
@@ -118,7 +118,7 @@ impl SendRate {
             shortest: ShortestDelay::default(),
             congestion: None,
             congested: 0,
-            probe_at: Duration::ZERO,
+            probe_at: SessionTime::BEGIN,
             sent: VecDeque::new(),
             sent_bytes: 0,
             loss: LossRate::default(),
@@ -126,8 +126,8 @@ impl SendRate {
     }
 
     /// Counts a datagram with the headers of the carrier.
-    pub(crate) fn sent(&mut self, now: Duration, length: usize) {
-        let now_ms = now_ms(now);
+    pub(crate) fn sent(&mut self, now: SessionTime, length: usize) {
+        let now_ms = now.as_millis();
         self.sent_bytes += length as u64;
         match self.sent.back_mut() {
             Some((at_ms, bytes)) if now_ms < *at_ms + SENT_EVERY_MS => *bytes = self.sent_bytes,
@@ -164,7 +164,7 @@ impl SendRate {
     }
 
     /// Applies a report. `round_trip` is the time until the next report shows the effect of a change.
-    pub(crate) fn report(&mut self, now: Duration, arrivals: Arrivals, round_trip: Duration) {
+    pub(crate) fn report(&mut self, now: SessionTime, arrivals: Arrivals, round_trip: Duration) {
         let Some(last) = self.last else {
             self.last = Some(arrivals);
             return;
@@ -204,14 +204,14 @@ impl SendRate {
     }
 
     /// Doubles the rate if the report shows its last change.
-    fn begin(&mut self, now: Duration, newest_ms: u64) {
-        if u128::from(newest_ms) >= self.changed.as_millis() {
+    fn begin(&mut self, now: SessionTime, newest_ms: u64) {
+        if newest_ms >= self.changed.as_millis() {
             (self.current, self.changed) = (self.bounded(self.current.saturating_mul(2)), now);
             self.is_beginning = self.current < self.configured;
         }
     }
 
-    fn congest(&mut self, now: Duration, queue_ms: u64, arrived: u64, round_trip: Duration) {
+    fn congest(&mut self, now: SessionTime, queue_ms: u64, arrived: u64, round_trip: Duration) {
         (self.is_beginning, self.growth) = (false, GROWTH);
         let began = Congestion { began: now, queue_ms, arrived };
         let congestion = self.congestion.get_or_insert(began);
@@ -234,7 +234,7 @@ impl SendRate {
         self.current = self.bounded(percent(capacity, used));
     }
 
-    fn free(&mut self, now: Duration, arrived: u64, round_trip: Duration) {
+    fn free(&mut self, now: SessionTime, arrived: u64, round_trip: Duration) {
         self.congestion = None;
         let Some(capacity) = self.capacity else { return };
         let is_used = arrived > percent(self.current, LIMITED);
@@ -271,13 +271,13 @@ fn percent(rate: u64, percentage: u64) -> u64 {
 #[derive(Debug, Default)]
 struct ShortestDelay {
     /// That of the present interval, with its end, and that of the one before.
-    present: Option<(Duration, i64)>,
+    present: Option<(SessionTime, i64)>,
     before: Option<i64>,
 }
 
 impl ShortestDelay {
     /// Adds a delay, and returns the shortest one.
-    fn add(&mut self, now: Duration, delay: i64) -> i64 {
+    fn add(&mut self, now: SessionTime, delay: i64) -> i64 {
         match &mut self.present {
             Some((until, shortest)) if now < *until => *shortest = delay.min(*shortest),
             present => {
@@ -294,6 +294,7 @@ impl ShortestDelay {
 mod tests {
     use super::{Arrivals, SENT_MAX, SendRate};
     use crate::profile::Profile;
+    use crate::session_time::SessionTime;
     use proptest::prelude::*;
     use std::time::Duration;
 
@@ -304,7 +305,7 @@ mod tests {
         ) {
             let mut rate = SendRate::new(&Profile::DELAY_2S);
             for (second, ([bytes, at_ms, newest_ms, arrived_ms], is_usual)) in (1..).zip(reports) {
-                let now = Duration::from_secs(second);
+                let now = SessionTime::after(Duration::from_secs(second));
                 let (usual_ms, usual_bytes) = (second * 1_000, second * 9_000);
                 let arrivals = if is_usual {
                     let (at_ms, arrived_ms) = (usual_ms, arrived_ms % 10_000);
@@ -323,7 +324,7 @@ mod tests {
     fn what_was_sent_is_known_up_to_the_bound() {
         let mut rate = SendRate::new(&Profile::DELAY_2S);
         for nth in 0..=SENT_MAX as u64 {
-            rate.sent(Duration::from_millis(nth * 100), 100);
+            rate.sent(SessionTime::from_millis(nth * 100), 100);
         }
         assert_eq!((rate.sent.len(), rate.sent[0].0), (SENT_MAX, 100));
         // Before that, it counts as nothing.
@@ -337,11 +338,12 @@ mod tests {
         for second in 1..600_u64 {
             let newest_ms = second * 1_000;
             bytes += 150;
-            rate.sent(Duration::from_millis(newest_ms), 150);
+            rate.sent(SessionTime::from_millis(newest_ms), 150);
             let late = if second % 7 < 2 { 900 } else { 0 };
             let arrived_ms = newest_ms + 2_000 + late;
             let arrivals = Arrivals { bytes, at_ms: newest_ms + 3_000, newest_ms, arrived_ms };
-            rate.report(Duration::from_millis(newest_ms + 5_000), arrivals, Duration::from_secs(5));
+            let now = SessionTime::from_millis(newest_ms + 5_000);
+            rate.report(now, arrivals, Duration::from_secs(5));
         }
         assert_eq!(rate.bits_per_s(), 256_000);
     }

@@ -5,6 +5,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{NewestValue, RobotSession, RunSource, WatchSubscription};
 use crate::seal::{KeyId, PairingKey, SenderStart};
+use crate::session_time::SessionTime;
 use crate::station::{FromRobot, StationSession};
 use crate::{Direction, Identity};
 use expect_test::expect;
@@ -33,13 +34,13 @@ fn event(number: u64) -> Vec<u8> {
 
 /// A robot with a run and a large value, a station, and a path that loses datagrams.
 struct World {
-    now: Duration,
+    now: SessionTime,
     robot: RobotSession,
     station: StationSession,
     starts: u32,
     /// Datagrams on their way, with the time of their arrival.
-    down: VecDeque<(Duration, Vec<u8>)>,
-    up: VecDeque<(Duration, Vec<u8>)>,
+    down: VecDeque<(SessionTime, Vec<u8>)>,
+    up: VecDeque<(SessionTime, Vec<u8>)>,
     sent: u64,
     /// One in so many datagrams is lost; all, if it is 1.
     loses_one_in: [u64; 2],
@@ -61,7 +62,7 @@ struct Here {
     refused: Option<NoValue>,
     watched: Vec<(u64, String)>,
     /// When each event arrived.
-    events: BTreeMap<u64, Duration>,
+    events: BTreeMap<u64, SessionTime>,
 }
 
 impl RunSource for Disk {
@@ -121,7 +122,7 @@ impl World {
         let mut robot = RobotSession::new(&identity(&key, 1), Profile::DELAY_2S);
         robot.begin(STREAM, head);
         Self {
-            now: Duration::ZERO,
+            now: SessionTime::BEGIN,
             robot,
             station: StationSession::new(&identity(&key, 1), Profile::DELAY_2S),
             starts: 1,
@@ -257,11 +258,11 @@ fn events_do_not_wait_for_a_large_value() {
         world.run(6, true);
         assert!(!is_fetching || world.disk.read > 100_000);
         // An event happens in every twentieth step.
-        let begin = Duration::from_secs(5);
-        let late = |(event, at): (&u64, &Duration)| {
+        let begin = SessionTime::from_millis(5_000);
+        let late = |(event, at): (&u64, &SessionTime)| {
             let happened =
                 begin + STEP + Duration::from_millis(100) * u32::try_from(event - first).unwrap();
-            at.saturating_sub(happened + DELAY)
+            at.since(happened + DELAY)
         };
         world.here.events.range(first..).map(late).max().expect("events")
     };

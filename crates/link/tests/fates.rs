@@ -130,9 +130,9 @@ fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
         let mut world = DisturbedLink::new(losses);
         world.go_on(one_way * 4 + profile.status_every * 8);
         let (script, stop) = (CommandId([1; 16]), CommandId([2; 16]));
-        let (takes, began) = (world.station.transfer_time(20_000), world.now);
+        let takes = world.station.transfer_time(20_000);
         // Of what is sent again, a third is lost again: each repetition takes a round trip.
-        let valid = world.station.command_lifetime(began) + takes * 4 + one_way * 8;
+        let valid = world.station.command_lifetime(world.station_time()) + takes * 4 + one_way * 8;
         let command =
             |id, length| NewCommand { id, valid, wait: None, epoch: 0, body: body_of(id, length) };
         let NotSent::TooSlow { .. } =
@@ -141,7 +141,7 @@ fn a_long_command_arrives_over_every_link_and_a_stop_does_not_wait_for_it() {
             panic!("it cannot arrive in time");
         };
         world.command(command(script, 20_000)).expect("a clock");
-        world.go_on(began + takes / 4);
+        world.go_on(world.now + takes / 4);
         world.command(command(stop, 40)).expect("a clock");
         let datagram = Duration::from_secs((profile.up_bytes_max as u64 + 28) * 8)
             / u32::try_from(profile.up_bits_per_s).unwrap();

@@ -2,7 +2,7 @@
 
 use rafcon_link::{
     EventBlock, EventBlockRef, FromRobot, Horizon, Identity, KeyId, PairingKey, Profile, RangeSet,
-    Rank, RobotSession, RunSource, SenderStart, StationSession, StreamId, Unusable,
+    Rank, RobotSession, RunSource, SenderStart, SessionTime, StationSession, StreamId, Unusable,
 };
 use rafcon_testkit::link_world::{Carrier, Conditions, Cut};
 use std::collections::{BTreeMap, BTreeSet};
@@ -355,14 +355,22 @@ impl World {
         }
     }
 
+    fn robot_time(&self) -> SessionTime {
+        SessionTime::after(self.now.saturating_sub(self.robot_from))
+    }
+
+    fn station_time(&self) -> SessionTime {
+        SessionTime::after(self.now.saturating_sub(self.station_from))
+    }
+
     fn next_at(&self) -> Duration {
         let planned = self.streams.iter().filter_map(|it| it.planned.last().map(|(at, _)| *at));
-        let robot = self.robot.poll_timeout(self.now.saturating_sub(self.robot_from));
-        let robot = robot.saturating_add(self.robot_from);
-        let station = self.station.poll_timeout(self.now.saturating_sub(self.station_from));
-        let station = station.saturating_add(self.station_from);
-        let carriers = [self.down.next(), self.up.next()].into_iter().flatten();
-        planned.chain([robot, station]).chain(carriers).min().expect("some")
+        let robot = self.robot.poll_timeout(self.robot_time());
+        let robot = robot.map(|at| self.robot_from + at.since(SessionTime::BEGIN));
+        let station = self.station.poll_timeout(self.station_time());
+        let station = station.map(|at| self.station_from + at.since(SessionTime::BEGIN));
+        let others = [robot, station, self.down.next(), self.up.next()];
+        planned.chain(others.into_iter().flatten()).min().expect("some")
     }
 
     /// Lets time pass to `until`, or with `stops` until all is at the station. Returns whether it is.
@@ -390,7 +398,7 @@ impl World {
     /// Returns whether the station received anything.
     fn receive_all(&mut self) -> bool {
         while let Some(mut datagram) = self.up.arrive(self.now) {
-            let now = self.now.saturating_sub(self.robot_from);
+            let now = self.robot_time();
             let got = self.robot.handle_datagram(now, &mut datagram, |_| {});
             assert!(!matches!(got, Err(Unusable::Broken(_))), "broken to the robot: {got:?}");
         }
@@ -404,9 +412,9 @@ impl World {
 
     /// A call without a datagram may be followed by one with a datagram of another length, but not by many without.
     fn transmit_robot(&mut self) {
-        let now = self.now.saturating_sub(self.robot_from);
+        let now = self.robot_time();
         let (mut sent, mut nones) = (0, 0);
-        while nones == 0 || self.robot.poll_timeout(now) <= now {
+        while nones == 0 || self.robot.poll_timeout(now).is_some_and(|at| at <= now) {
             self.calls += 1;
             let datagram = self.robot.poll_transmit(now, &mut self.journal).expect("sealed");
             nones += 1;
@@ -423,7 +431,7 @@ impl World {
     }
 
     fn transmit_station(&mut self) {
-        let now = self.now.saturating_sub(self.station_from);
+        let now = self.station_time();
         let mut sent = 0;
         while let Some(datagram) = self.station.poll_transmit(now).expect("sealed") {
             assert!(datagram.len() <= self.profile.up_bytes_max, "{}", datagram.len());
@@ -433,11 +441,12 @@ impl World {
             }
             assert!(sent < INSTANT_MAX, "the station sends without end at {:?}", self.now);
         }
-        assert!(self.station.poll_timeout(now) > now, "the station spins at {:?}", self.now);
+        let spins = self.station.poll_timeout(now).is_some_and(|at| at <= now);
+        assert!(!spins, "the station spins at {:?}", self.now);
     }
 
     fn receive(&mut self, datagram: &mut [u8]) {
-        let now = self.now.saturating_sub(self.station_from);
+        let now = self.station_time();
         let (here, journal) = (&mut self.here, &self.journal);
         let mut touched = BTreeSet::new();
         let got = self.station.handle_datagram(now, datagram, |shown| {

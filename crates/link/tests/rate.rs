@@ -132,7 +132,7 @@ fn datagrams_become_as_short_as_a_path_needs_that_drops_longer_ones() {
     let id = CommandId([1; 16]);
     let (valid, body) = (secs(60), vec![7; 1_000]);
     let command = NewCommand { id, valid, wait: None, epoch: 0, body };
-    world.station.command(world.now, command).expect("a clock");
+    world.station.command(world.session_time(), command).expect("a clock");
     world.go_on(secs(60));
     assert_eq!(world.robot.shortened_datagrams(), Some(600));
     assert_eq!(world.station.shortened_datagrams(), Some(600));

@@ -1,6 +1,7 @@
 //! The one clock of this crate: it begins with its process and never goes back.
 
-use std::time::{Duration, Instant};
+use rafcon_link::SessionTime;
+use std::time::Instant;
 
 /// The time of one session.
 #[derive(Debug, Clone, Copy)]
@@ -12,7 +13,7 @@ impl SessionClock {
         Self(Instant::now())
     }
 
-    pub(crate) fn now(&self) -> Duration {
-        self.0.elapsed()
+    pub(crate) fn now(&self) -> SessionTime {
+        SessionTime::after(self.0.elapsed())
     }
 }

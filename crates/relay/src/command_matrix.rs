@@ -84,7 +84,7 @@ fn bodies() -> Vec<(String, Vec<u8>)> {
 }
 
 fn new_command(world: &DisturbedLink, nth: u8, body: &[u8]) -> NewCommand {
-    let valid = default_lifetime(&world.station, world.now, body.len());
+    let valid = default_lifetime(&world.station, world.station_time(), body.len());
     NewCommand { id: CommandId([nth; 16]), valid, wait: None, epoch: 0, body: body.to_vec() }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::pairing::Pairing;
 use crate::rights::PairingRights;
-use rafcon_link::{Profile, Traffic};
+use rafcon_link::{Profile, SessionTime, Traffic};
 use rafcon_protocol::{LinkHealth, LinkReport, LinkRun, LinkTraffic};
 use rafcon_supervisor::clock;
 use std::time::Duration;
@@ -49,7 +49,7 @@ impl LinkMeter {
     /// the peer.
     pub(crate) fn health(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         sent: &Traffic,
         received: &Traffic,
         heard_before: Option<Duration>,
@@ -117,15 +117,15 @@ pub(crate) fn shortened(datagrams: Option<usize>) -> Option<String> {
 /// Rate in bytes per second.
 #[derive(Debug, Default)]
 struct Rate {
-    at: Duration,
+    at: SessionTime,
     bytes: u64,
     per_s: u64,
 }
 
 impl Rate {
     /// Adds a sample: bytes counted until now.
-    fn note(&mut self, now: Duration, bytes: u64) {
-        let time = now.saturating_sub(self.at);
+    fn note(&mut self, now: SessionTime, bytes: u64) {
+        let time = now.since(self.at);
         if time >= RATE_OVER {
             let per_s = u128::from(bytes - self.bytes) * 1_000 / time.as_millis().max(1);
             self.per_s = u64::try_from(per_s).unwrap_or(u64::MAX);
@@ -149,7 +149,7 @@ mod tests {
     use super::LinkMeter;
     use crate::pairing::Pairing;
     use crate::rights::PairingRights;
-    use rafcon_link::{Profile, Traffic};
+    use rafcon_link::{Profile, SessionTime, Traffic};
     use rafcon_protocol::LinkRights;
     use std::time::Duration;
 
@@ -160,7 +160,7 @@ mod tests {
             let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, is_station);
             let (sent, received) = (Traffic::default(), Traffic::default());
             let before = Some(Duration::from_millis(before));
-            meter.health(Duration::ZERO, &sent, &received, before).is_heard
+            meter.health(SessionTime::BEGIN, &sent, &received, before).is_heard
         };
         assert_eq!([3_999, 4_000].map(|before| is_heard(true, before)), [true, false]);
         assert_eq!([6_999, 7_000].map(|before| is_heard(false, before)), [true, false]);
@@ -173,7 +173,7 @@ mod tests {
         let rights = |is_station, heard_before| {
             let mut meter = LinkMeter::new(&pairing, &Profile::DELAY_2S, is_station);
             let nothing = Traffic::default();
-            meter.health(Duration::ZERO, &nothing, &nothing, heard_before).rights
+            meter.health(SessionTime::BEGIN, &nothing, &nothing, heard_before).rights
         };
         let (observe, hour) = (Some(LinkRights::Observe), Some(Duration::from_hours(1)));
         // The robot enforces its own copy, which it knows.

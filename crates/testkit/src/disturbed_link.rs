@@ -3,8 +3,8 @@
 
 use rafcon_link::{
     CommandId, CommandState, EventBlock, FromRobot, Horizon, Identity, KeyId, NewCommand, NotSent,
-    PairingKey, Profile, ReceivedCommand, RobotSession, RunSource, SenderStart, StationSession,
-    StreamId,
+    PairingKey, Profile, ReceivedCommand, RobotSession, RunSource, SenderStart, SessionTime,
+    StationSession, StreamId,
 };
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt;
@@ -155,8 +155,13 @@ impl DisturbedLink {
     }
 
     /// Time of the robot's session.
-    fn robot_time(&self) -> Duration {
-        self.now.saturating_sub(self.robot_began)
+    fn robot_time(&self) -> SessionTime {
+        SessionTime::after(self.now.saturating_sub(self.robot_began))
+    }
+
+    /// Time of the station's session.
+    pub fn station_time(&self) -> SessionTime {
+        SessionTime::after(self.now)
     }
 
     /// Restarts the robot's server.
@@ -171,7 +176,7 @@ impl DisturbedLink {
         assert_eq!(self.given.get(&command.id), Some(&command.body), "another body");
         let is_done = self.carried_out.contains_key(&command.id);
         if !command.is_late && !is_done {
-            assert!(local.as_millis() <= u128::from(command.not_after_ms), "carried out late");
+            assert!(local.as_millis() <= command.not_after_ms, "carried out late");
             *self.carried_out.entry(command.id).or_default() += 1;
         }
         if self.carried_out.contains_key(&command.id) {
@@ -182,14 +187,14 @@ impl DisturbedLink {
     /// Sends a command from the station, if possible.
     pub fn command(&mut self, command: NewCommand) -> Result<(), NotSent> {
         self.given.insert(command.id, command.body.clone());
-        self.station.command(self.now, command)
+        self.station.command(self.station_time(), command)
     }
 
     /// Advances to this time in steps of due events. Panics if the robot executes a command late, or one that was never
     /// sent.
     pub fn go_on(&mut self, until: Duration) {
         while self.now < until {
-            let local = self.robot_time();
+            let (local, station_time) = (self.robot_time(), self.station_time());
             while let Some(datagram) =
                 self.robot.poll_transmit(local, &mut NoRuns).expect("numbers")
             {
@@ -198,26 +203,27 @@ impl DisturbedLink {
                     self.down.push_back((self.now + self.link.one_way, datagram));
                 }
             }
-            while let Some(datagram) = self.station.poll_transmit(self.now).expect("numbers") {
+            while let Some(datagram) = self.station.poll_transmit(station_time).expect("numbers") {
                 self.sent += 1;
                 if !self.link.is_lost(self.now, self.sent, true) {
                     self.up.push_back((self.now + self.link.one_way, datagram));
                 }
             }
-            self.overdue.extend(self.station.take_overdue(self.now));
+            self.overdue.extend(self.station.take_overdue(station_time));
             let due = [
-                self.robot_began + self.robot.poll_timeout(local),
-                self.station.poll_timeout(self.now),
+                self.robot.poll_timeout(local).map(|at| at + self.robot_began),
+                self.station.poll_timeout(station_time),
             ];
+            let due = due.map(|at| at.map(|at| at.since(SessionTime::BEGIN)));
             let arrivals = [&self.up, &self.down].map(|way| way.front().map(|(at, _)| *at));
-            let next = due.into_iter().chain(arrivals.into_iter().flatten()).min();
+            let next = due.into_iter().chain(arrivals).flatten().min();
             self.now = next.unwrap_or(until).max(self.now + Duration::from_millis(1)).min(until);
             self.arrive();
         }
     }
 
     fn arrive(&mut self) {
-        let local = self.robot_time();
+        let (local, station_time) = (self.robot_time(), self.station_time());
         while let Some((_, mut datagram)) = self.up.pop_front_if(|(at, _)| *at <= self.now) {
             let mut commands = Vec::new();
             let _of_an_earlier_start =
@@ -234,7 +240,8 @@ impl DisturbedLink {
                     fates.insert(id, state);
                 }
             };
-            let _of_an_earlier_start = self.station.handle_datagram(self.now, &mut datagram, show);
+            let _of_an_earlier_start =
+                self.station.handle_datagram(station_time, &mut datagram, show);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::{LAST, Trial};
 use anyhow::Result;
 use rafcon_link::{
     EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile, RobotSession,
-    RunSource, SenderStart, StationSession, StreamId,
+    RunSource, SenderStart, SessionTime, StationSession, StreamId,
 };
 use std::net::{SocketAddr, UdpSocket};
 use std::ops::RangeInclusive;
@@ -31,12 +31,22 @@ pub(crate) async fn carry(trial: &Trial) -> Result<Figures> {
     trial.judge(proxy, &recorder).await
 }
 
-/// Waits for a datagram; at least a moment, because 0 would be for ever.
-fn receive(socket: &UdpSocket, wait: Duration) -> Option<(Vec<u8>, SocketAddr)> {
+/// Waits for a datagram until this time. The timeout is at least 1 ms, because a socket rejects 0.
+fn receive(
+    socket: &UdpSocket,
+    clock: Instant,
+    until: Option<SessionTime>,
+) -> Option<(Vec<u8>, SocketAddr)> {
     let mut buffer = [0; 2_048];
-    socket.set_read_timeout(Some(wait.max(Duration::from_millis(1)))).ok()?;
+    let wait = until.map(|at| at.since(session_time(clock)).max(Duration::from_millis(1)));
+    socket.set_read_timeout(wait).ok()?;
     let (length, from) = socket.recv_from(&mut buffer).ok()?;
     Some((buffer[..length].to_vec(), from))
+}
+
+/// Time of the session that began with this clock.
+fn session_time(clock: Instant) -> SessionTime {
+    SessionTime::after(clock.elapsed())
 }
 
 struct Journal {
@@ -79,14 +89,15 @@ impl RunSource for Journal {
 fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
     let clock = Instant::now();
     let lead = trial.begin.saturating_duration_since(clock);
+    let due_at = |time: Duration| SessionTime::after(lead + time);
     let mut session =
         RobotSession::new(&identity(&PairingKey::from_bytes([7; 32])), Profile::DELAY_2S);
     session.begin(STREAM, 0);
     let mut journal = Journal { trial, head: 0 };
     let events = Arc::clone(&journal.trial.events);
     loop {
-        let now = clock.elapsed();
-        while let Some(event) = events.list.get(journal.head).filter(|it| it.time + lead <= now) {
+        let now = session_time(clock);
+        while let Some(event) = events.list.get(journal.head).filter(|it| due_at(it.time) <= now) {
             let time_before = events.before(journal.head);
             journal.head += 1;
             let first = journal.head as u64;
@@ -95,15 +106,15 @@ fn robot_side(socket: &UdpSocket, to: SocketAddr, trial: Trial) {
                 EventBlockRef { first_sequence: first, count: 1, time_before, bytes: &event.items },
             );
         }
-        session.set_state(STREAM, b"running", now > lead + LAST);
+        session.set_state(STREAM, b"running", now > due_at(LAST));
         while let Ok(Some(datagram)) = session.poll_transmit(now, &mut journal) {
             drop(socket.send_to(&datagram, to));
         }
-        let next = events.list.get(journal.head).map(|event| event.time + lead);
-        let next = next.unwrap_or(Duration::MAX).min(session.poll_timeout(now));
-        if let Some((mut datagram, _)) = receive(socket, next.saturating_sub(clock.elapsed())) {
+        let next = events.list.get(journal.head).map(|event| due_at(event.time));
+        let next = SessionTime::earliest([next, session.poll_timeout(now)]);
+        if let Some((mut datagram, _)) = receive(socket, clock, next) {
             // What comes twice is not used.
-            session.handle_datagram(clock.elapsed(), &mut datagram, |_| {}).unwrap_or_default();
+            session.handle_datagram(session_time(clock), &mut datagram, |_| {}).unwrap_or_default();
         }
     }
 }
@@ -113,16 +124,15 @@ fn station_side(socket: &UdpSocket, recorder: &Recorder) {
     let mut session =
         StationSession::new(&identity(&PairingKey::from_bytes([7; 32])), Profile::DELAY_2S);
     loop {
-        let now = clock.elapsed();
+        let now = session_time(clock);
         while let Ok(Some(datagram)) = session.poll_transmit(now) {
             if let Some(robot) = robot {
                 drop(socket.send_to(&datagram, robot));
             }
         }
-        let wait = session.poll_timeout(now).saturating_sub(clock.elapsed());
-        if let Some((mut datagram, from)) = receive(socket, wait) {
+        if let Some((mut datagram, from)) = receive(socket, clock, session.poll_timeout(now)) {
             robot = Some(from);
-            let now = clock.elapsed();
+            let now = session_time(clock);
             let used = session.handle_datagram(now, &mut datagram, |shown| {
                 if let FromRobot::Events { block, .. } = shown {
                     note(recorder, block.sequences());

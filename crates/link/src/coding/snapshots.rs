@@ -2,6 +2,7 @@
 
 use super::offers::Offers;
 use super::{CONTEXT_MAX, ContextId, ContextName, LastCoder};
+use crate::session_time::SessionTime;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -21,7 +22,7 @@ fn is_short(bytes: &[u8]) -> bool {
 #[derive(Debug, Default)]
 pub(crate) struct OfferedSnapshots {
     newest: Option<(ContextName, Vec<u8>)>,
-    offered_at: Option<Duration>,
+    offered_at: Option<SessionTime>,
     offers: Offers<OFFERS>,
     coder: LastCoder,
 }
@@ -43,7 +44,7 @@ impl OfferedSnapshots {
     }
 
     /// The one from which the robot may code: the newest, unless too many would be offered in a round trip.
-    pub(crate) fn offer(&mut self, now: Duration, round_trip: Duration) -> Option<ContextName> {
+    pub(crate) fn offer(&mut self, now: SessionTime, round_trip: Duration) -> Option<ContextName> {
         let every = round_trip / OFFERS_IN_ROUND_TRIP;
         let is_due = self.offered_at.is_none_or(|at| now >= at + every);
         if is_due && let Some((name, bytes)) = self.newest.take() {

@@ -168,7 +168,7 @@ pub(super) fn read_ranges(reader: &mut FrameReader<'_>) -> Result<RangeSet, Brok
 mod tests {
     use super::*;
     use crate::frame::read_payload;
-    use std::time::Duration;
+    use crate::session_time::SessionTime;
 
     #[test]
     fn a_report_becomes_as_short_as_the_room_needs() {
@@ -186,7 +186,7 @@ mod tests {
         };
         let mut lengths = Vec::new();
         for room in [400, 300, 150, 100, 70, 40] {
-            let mut out = PayloadWriter::new(Duration::ZERO, 1 + room);
+            let mut out = PayloadWriter::new(SessionTime::BEGIN, 1 + room);
             received.clone().write_shortened(&mut out);
             let (_, mut frames) = read_payload(out.bytes()).expect("a time");
             let Some(Ok((Frame::Received(shortened), length))) = frames.next() else {

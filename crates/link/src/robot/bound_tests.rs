@@ -13,12 +13,13 @@ use crate::frame::{
 };
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, OVERHEAD, PairingKey, SenderStart};
+use crate::session_time::SessionTime;
 use crate::station::StationSession;
 use rafcon_events::{EventBlock, EventBlockRef};
 use std::time::Duration;
 
 const RUN: StreamId = StreamId(1);
-const SECOND: Duration = Duration::from_secs(1);
+const SECOND: SessionTime = SessionTime::from_millis(1_000);
 
 fn identity(key: &PairingKey) -> Identity<'_> {
     let start = SenderStart::new(1, 0);
@@ -57,7 +58,7 @@ fn commands_for_later_are_kept_up_to_the_bound_and_again_once_a_time_has_come() 
     assert!(TOO_MANY.contains(&SCHEDULED_MAX.to_string()));
     assert_eq!(state(&robot, most - 1), Some((CommandState::Received, "")));
     assert_eq!(state(&robot, most), Some((CommandState::Refused, TOO_MANY)));
-    let due = std::iter::from_fn(|| robot.poll_command(SECOND * 10));
+    let due = std::iter::from_fn(|| robot.poll_command(SessionTime::from_millis(10_000)));
     assert_eq!(due.map(|command| command.id).collect::<Vec<_>>(), [id(0)]);
     takes(&mut robot, most + 1, 10);
     assert_eq!(state(&robot, most + 1), Some((CommandState::Received, "")));
@@ -174,7 +175,7 @@ fn events_of_any_length_arrive_whether_they_are_at_hand_or_in_the_journal() {
             );
         }
         assert_eq!(robot.streams[&RUN].tail_holds(1), is_at_hand, "{length} bytes");
-        let mut now = Duration::ZERO;
+        let mut now = SessionTime::BEGIN;
         for _ in 0..200 {
             now += Duration::from_millis(10);
             while let Some(mut datagram) =

@@ -29,6 +29,7 @@ use crate::frame::{CommandId, CommandState, EventHash, StreamId};
 use crate::profile::Profile;
 use crate::seal::{Direction, Generation, Horizon, KeyId, OVERHEAD, PairingKey};
 use crate::send_rate::SendRate;
+use crate::session_time::SessionTime;
 use crate::traffic::Traffic;
 use bulk::Bulk;
 use outgoing::Outgoing;
@@ -78,7 +79,7 @@ pub struct RobotSession {
     profile: Profile,
     end: Endpoint,
     rate: SendRate,
-    sent_at: Option<Duration>,
+    sent_at: Option<SessionTime>,
     /// Smallest age of the newest time in a report at its arrival: a round trip plus the delay of the station.
     report_age: Option<Duration>,
     streams: BTreeMap<StreamId, Outgoing>,
@@ -88,7 +89,7 @@ pub struct RobotSession {
     calendar_ms: Option<u64>,
     states: BTreeMap<CommandId, SentState>,
     /// Next key of the station, with the time of the next offer.
-    offered: Option<(KeyId, PairingKey, Duration)>,
+    offered: Option<(KeyId, PairingKey, SessionTime)>,
     /// Commands whose time has not come.
     scheduled: ScheduledCommands,
     incomplete: IncompleteCommands,
@@ -104,11 +105,11 @@ struct SentState {
     state: CommandState,
     reason: Vec<u8>,
     sends: u8,
-    due: Duration,
+    due: SessionTime,
 }
 
 impl RobotSession {
-    /// A session from now on. Times are those since its begin, by a clock that never goes back.
+    /// A session that begins now.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
             end: Endpoint::new(identity, Direction::Down, &profile),
@@ -132,7 +133,7 @@ impl RobotSession {
 
     /// A run that has events up to `head` in its journal.
     pub fn begin(&mut self, stream: StreamId, head: u64) {
-        let first_report_at = self.profile.round_trip;
+        let first_report_at = SessionTime::after(self.profile.round_trip);
         let begun = || Outgoing::new(stream, head).repeated_from(first_report_at);
         self.streams.entry(stream).or_insert_with(begun);
     }
@@ -211,14 +212,14 @@ impl RobotSession {
     }
 
     /// Sets the present time of the robot's calendar, in ms since 1970, UTC. It may jump.
-    pub fn set_calendar(&mut self, now: Duration, since_1970_ms: u64) {
-        self.calendar_ms = Some(since_1970_ms.saturating_sub(now_ms(now)));
+    pub fn set_calendar(&mut self, now: SessionTime, since_1970_ms: u64) {
+        self.calendar_ms = Some(since_1970_ms.saturating_sub(now.as_millis()));
     }
 
     /// Sets the fate of a command, with the reason of a refusal.
     pub fn set_command_state(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         id: CommandId,
         state: CommandState,
         reason: &str,
@@ -242,7 +243,7 @@ impl RobotSession {
     /// Offers a stored key to the station. Both sides use the previous one until the station switches.
     pub fn offer_key(&mut self, id: KeyId, key: &PairingKey) {
         self.end.add_key(id, key);
-        self.offered = Some((id, key.clone(), Duration::ZERO));
+        self.offered = Some((id, key.clone(), SessionTime::BEGIN));
     }
 
     /// True if the station uses the offered key.
@@ -281,7 +282,7 @@ impl RobotSession {
     }
 
     /// True if values of a run are sent in addition to its events, so that a search for them is useful.
-    pub fn needs_watched(&self, now: Duration, stream: StreamId) -> bool {
+    pub fn needs_watched(&self, now: SessionTime, stream: StreamId) -> bool {
         let behind = self.behind(stream, self.is_heard(now));
         !behind.is_heard || behind.from.is_some()
     }
@@ -297,7 +298,7 @@ impl RobotSession {
     }
 
     /// Time since the last datagram of the station.
-    pub fn heard_before(&self, now: Duration) -> Option<Duration> {
+    pub fn heard_before(&self, now: SessionTime) -> Option<Duration> {
         self.end.heard.before(now)
     }
 
@@ -322,13 +323,9 @@ impl RobotSession {
     }
 
     /// True if reports of the station arrive.
-    pub fn is_heard(&self, now: Duration) -> bool {
+    pub fn is_heard(&self, now: SessionTime) -> bool {
         self.end.heard.before(now).is_some_and(|before| before < self.profile.silence())
     }
-}
-
-pub(crate) fn now_ms(now: Duration) -> u64 {
-    u64::try_from(now.as_millis()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

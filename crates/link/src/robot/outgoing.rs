@@ -13,6 +13,7 @@ use crate::loss_rate::LossRate;
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
+use crate::session_time::SessionTime;
 use rafcon_events::EventBlockRef;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
@@ -26,7 +27,7 @@ const SNAPSHOT_LOST: u64 = 64;
 /// Events that were sent and are not reported.
 #[derive(Debug)]
 struct SentEvents {
-    at: Duration,
+    at: SessionTime,
     range: RangeInclusive<u64>,
     /// Number of repetitions before a report shows a loss.
     repeats: u8,
@@ -37,7 +38,7 @@ struct SentEvents {
 /// Conditions under which a datagram is written.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TransmitContext<'p> {
-    pub(super) now: Duration,
+    pub(super) now: SessionTime,
     pub(super) profile: &'p Profile,
     /// True if the station sends reports.
     pub(super) is_heard: bool,
@@ -57,8 +58,8 @@ pub(super) struct Outgoing {
     chain_told: ChainTold,
     tail: Tail,
     /// When anything was sent from which the station knows the head.
-    shown_at: Option<Duration>,
-    status_at: Option<Duration>,
+    shown_at: Option<SessionTime>,
+    status_at: Option<SessionTime>,
     /// Events at the station, by its last report.
     received: RangeSet,
     /// The station knows that the run has ended.
@@ -67,9 +68,9 @@ pub(super) struct Outgoing {
     sent: VecDeque<SentEvents>,
     sent_set: RangeSet,
     /// When the unreported events are sent again, for a station that cannot report.
-    round_due: Duration,
+    round_due: SessionTime,
     /// The source could not read events: it is asked again then.
-    read_again_at: Duration,
+    read_again_at: SessionTime,
     snapshots: Snapshots,
     /// Events that were sent in parts, the last one at the end, until the station reports them.
     large: VecDeque<LargeEvent>,
@@ -100,7 +101,7 @@ enum Content {
 enum ChainTold {
     No,
     /// First sent at this time, not reported yet.
-    Sent(Duration),
+    Sent(SessionTime),
     Yes,
 }
 
@@ -110,7 +111,7 @@ enum Asks {
     No,
     Yes,
     /// It has not answered since.
-    Since(Duration),
+    Since(SessionTime),
 }
 
 /// Events of the lower queue.
@@ -139,8 +140,8 @@ impl Outgoing {
             knows_end: false,
             sent: VecDeque::new(),
             sent_set: RangeSet::default(),
-            round_due: Duration::ZERO,
-            read_again_at: Duration::ZERO,
+            round_due: SessionTime::BEGIN,
+            read_again_at: SessionTime::BEGIN,
             snapshots: Snapshots::new(),
             large: VecDeque::new(),
             backlog: 0,
@@ -154,7 +155,7 @@ impl Outgoing {
     }
 
     /// Repeats files without a report only after the first report should have arrived: they are long and never urgent.
-    pub(super) fn repeated_from(mut self, first_report_at: Duration) -> Self {
+    pub(super) fn repeated_from(mut self, first_report_at: SessionTime) -> Self {
         if self.id.is_files() {
             self.round_due = first_report_at;
         }
@@ -186,9 +187,9 @@ impl Outgoing {
     }
 
     /// Until when the answer is waited for.
-    fn waits_until(&self, profile: &Profile) -> Duration {
+    fn waits_until(&self, profile: &Profile) -> SessionTime {
         match self.asks {
-            Asks::No | Asks::Yes => Duration::ZERO,
+            Asks::No | Asks::Yes => SessionTime::BEGIN,
             Asks::Since(at) => at + profile.silence(),
         }
     }
@@ -259,7 +260,7 @@ impl Outgoing {
     /// Applies a report of the station. `echo` is the newest time that it received, with the delay of reordered datagrams.
     pub(super) fn report(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         received: Received,
         echo: Option<(u64, u64)>,
         profile: &Profile,
@@ -273,12 +274,12 @@ impl Outgoing {
         self.knows_end = received.is_over;
         self.asks = Asks::No;
         let Some((newest_ms, late_ms)) = echo else { return };
-        if matches!(self.chain_told, ChainTold::Sent(at) if at.as_millis() <= newest_ms.into()) {
+        if matches!(self.chain_told, ChainTold::Sent(at) if at.as_millis() <= newest_ms) {
             self.chain_told = ChainTold::Yes;
         }
         // Earlier events without a report are lost. A repetition may still repair the newest of them.
         let late = Duration::from_millis(late_ms) + profile.repeat_after * u32::from(self.sends);
-        let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
+        let lost_before = SessionTime::from_millis(newest_ms) - late;
         let (before, unreported) = (self.sent.len(), &self.received);
         self.sent.retain(|sent| !unreported.contains(&sent.range));
         let mut lost = 0;
@@ -322,22 +323,23 @@ impl Outgoing {
     }
 
     /// When the status or new events are due.
-    pub(super) fn urgent_at(&self, profile: &Profile, is_heard: bool) -> Duration {
+    pub(super) fn urgent_at(&self, profile: &Profile, is_heard: bool) -> Option<SessionTime> {
         let status = match (self.shown_at, self.status_at) {
-            _ if self.is_state_new => Duration::ZERO,
+            _ if self.is_state_new => Some(SessionTime::BEGIN),
             // The station reports that it has all: nothing is new ever after.
-            _ if self.is_complete() => Duration::MAX,
-            _ if self.has_all() && self.chain_told == ChainTold::No => Duration::ZERO,
+            _ if self.is_complete() => None,
+            _ if self.has_all() && self.chain_told == ChainTold::No => Some(SessionTime::BEGIN),
             // There is nothing to see of files.
             (Some(shown), Some(_)) if self.id.is_files() => {
-                shown + profile.status_every * STATUS_BESIDE
+                Some(shown + profile.status_every * STATUS_BESIDE)
             }
             (Some(shown), Some(status)) => {
-                (shown + profile.status_every).min(status + profile.status_every * STATUS_BESIDE)
+                let beside_at = status + profile.status_every * STATUS_BESIDE;
+                Some(beside_at.min(shown + profile.status_every))
             }
-            _ => Duration::ZERO,
+            _ => Some(SessionTime::BEGIN),
         };
-        self.tail.due_at(profile, self.tail_sends(is_heard)).min(status)
+        SessionTime::earliest([self.tail.due_at(profile, self.tail_sends(is_heard)), status])
     }
 
     /// Writes the status and the newest events if they are due. Returns whether it wrote the status.
@@ -348,7 +350,7 @@ impl Outgoing {
         payload: &mut PayloadWriter,
     ) -> bool {
         let TransmitContext { now, profile, is_heard } = turn;
-        if self.urgent_at(profile, is_heard) > now {
+        if self.urgent_at(profile, is_heard).is_none_or(|at| at > now) {
             return false;
         }
         self.coding.renew(self.id, self.head, source);

@@ -4,6 +4,7 @@ use crate::assembly::Assembly;
 use crate::frame::{CommandId, CommandPart, Frame, PartsHere, Terms};
 use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
+use crate::session_time::SessionTime;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -24,14 +25,14 @@ struct Incomplete {
     body: Option<Vec<u8>>,
     terms: Option<Terms>,
     reports_left: u8,
-    report_at: Duration,
+    report_at: SessionTime,
 }
 
 impl IncompleteCommands {
     /// Takes a part. Its report may wait for other parts until `report_at`. Returns terms and body of a command that is whole.
     pub(super) fn take_part(
         &mut self,
-        report_at: Duration,
+        report_at: SessionTime,
         part: &CommandPart<'_>,
     ) -> Option<(Terms, Vec<u8>)> {
         let CommandPart { id, length, offset, bytes } = *part;
@@ -49,7 +50,7 @@ impl IncompleteCommands {
     /// Takes the terms of a command; returns its body if it is whole.
     pub(super) fn take_head(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         id: CommandId,
         length: u32,
         terms: Terms,
@@ -61,15 +62,15 @@ impl IncompleteCommands {
     }
 
     /// When the next report is due.
-    pub(super) fn due_at(&self) -> Duration {
+    pub(super) fn due_at(&self) -> Option<SessionTime> {
         let due = self.0.iter().filter(|command| command.reports_left > 0);
-        due.map(|command| command.report_at).min().unwrap_or(Duration::MAX)
+        due.map(|command| command.report_at).min()
     }
 
     /// Writes the reports that are due, as far as they fit. Each is sent again after `repeat_after`.
     pub(super) fn write(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         repeat_after: Duration,
         payload: &mut PayloadWriter,
     ) {
@@ -113,7 +114,7 @@ impl Incomplete {
             body: None,
             terms: None,
             reports_left: 0,
-            report_at: Duration::ZERO,
+            report_at: SessionTime::BEGIN,
         }
     }
 
@@ -140,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_command_is_whole_with_its_head_and_all_parts_in_any_order() {
-        let (id, now) = (CommandId([1; 16]), Duration::ZERO);
+        let (id, now) = (CommandId([1; 16]), SessionTime::BEGIN);
         for head_at in 0..3 {
             let mut commands = IncompleteCommands::default();
             let mut whole = Vec::new();
@@ -154,13 +155,13 @@ mod tests {
                 }
             }
             assert_eq!(whole, [b"abab"]);
-            assert_eq!(commands.due_at(), Duration::MAX);
+            assert_eq!(commands.due_at(), None);
         }
     }
 
     #[test]
     fn of_more_commands_than_the_bound_the_oldest_is_dropped_and_comes_again() {
-        let now = Duration::ZERO;
+        let now = SessionTime::BEGIN;
         let mut commands = IncompleteCommands::default();
         for id in 0..=u8::try_from(INCOMPLETE_MAX).unwrap() {
             assert!(commands.take_part(now, &part(id, 0)).is_none());
@@ -176,14 +177,14 @@ mod tests {
     #[test]
     fn what_is_here_is_reported_twice() {
         let mut commands = IncompleteCommands::default();
-        let (at, again) = (Duration::from_millis(10), Duration::from_millis(50));
+        let (at, again) = (SessionTime::from_millis(10), Duration::from_millis(50));
         assert!(commands.take_part(at, &part(1, 2)).is_none());
         let mut payload = PayloadWriter::new(at, 1_000);
-        commands.write(Duration::ZERO, again, &mut payload);
-        assert_eq!((payload.is_empty(), commands.due_at()), (true, at));
+        commands.write(SessionTime::BEGIN, again, &mut payload);
+        assert_eq!((payload.is_empty(), commands.due_at()), (true, Some(at)));
         commands.write(at, again, &mut payload);
-        assert_eq!(commands.due_at(), at + again);
+        assert_eq!(commands.due_at(), Some(at + again));
         commands.write(at + again, again, &mut payload);
-        assert_eq!((payload.frames().len(), commands.due_at()), (2, Duration::MAX));
+        assert_eq!((payload.frames().len(), commands.due_at()), (2, None));
     }
 }

@@ -2,20 +2,20 @@
 
 use super::outgoing::Outgoing;
 use super::scheduled_commands;
-use super::{ReceivedCommand, RobotSession, SUBSCRIPTIONS_MAX, now_ms};
+use super::{ReceivedCommand, RobotSession, SUBSCRIPTIONS_MAX};
 use crate::endpoint::{Arrived, Unusable};
 use crate::frame::{
     self, Body, CommandId, CommandState, Fetch, Frame, Received, Terms, ValueFrame,
 };
 use crate::send_rate::Arrivals;
-use std::time::Duration;
+use crate::session_time::SessionTime;
 
 impl RobotSession {
     /// Handles a received datagram. `carry_out` receives each command once per start. A late command counts as expired, unless the
     /// caller knows its fate from an earlier start and sets it.
     pub fn handle_datagram(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         datagram: &mut [u8],
         mut carry_out: impl FnMut(ReceivedCommand),
     ) -> Result<(), Unusable> {
@@ -79,17 +79,17 @@ impl RobotSession {
     /// Returns a new command that is to be passed on; keeps it if its time has not come.
     pub(super) fn take_command(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         id: CommandId,
         terms: Terms,
         body: Vec<u8>,
     ) -> Option<ReceivedCommand> {
         let Terms { robot_start, not_after_ms, not_before_ms, epoch } = terms;
-        let is_late = robot_start != self.end.start.generation || now_ms(now) > not_after_ms;
+        let is_late = robot_start != self.end.start.generation || now.as_millis() > not_after_ms;
         let new = ReceivedCommand { id, epoch, not_after_ms, not_before_ms, is_late, body };
         let (state, why, passed) = if is_late {
             (CommandState::Expired, "", Some(new))
-        } else if now_ms(now) >= not_before_ms {
+        } else if now.as_millis() >= not_before_ms {
             (CommandState::Received, "", Some(new))
         } else if self.scheduled.add(new) {
             (CommandState::Received, "", None)
@@ -101,9 +101,9 @@ impl RobotSession {
     }
 
     /// The next scheduled command whose time has come; each is returned once.
-    pub fn poll_command(&mut self, now: Duration) -> Option<ReceivedCommand> {
-        while let Some(command) = self.scheduled.take(now_ms(now)) {
-            if now_ms(now) <= command.not_after_ms {
+    pub fn poll_command(&mut self, now: SessionTime) -> Option<ReceivedCommand> {
+        while let Some(command) = self.scheduled.take(now.as_millis()) {
+            if now.as_millis() <= command.not_after_ms {
                 return Some(command);
             }
             self.set_command_state(now, command.id, CommandState::Expired, "");
@@ -125,8 +125,8 @@ impl RobotSession {
         }
     }
 
-    fn report(&mut self, now: Duration, echo: Option<(u64, u64)>, reports: Vec<Received>) {
-        let age = echo.map(|(newest_ms, _)| now.saturating_sub(Duration::from_millis(newest_ms)));
+    fn report(&mut self, now: SessionTime, echo: Option<(u64, u64)>, reports: Vec<Received>) {
+        let age = echo.map(|(newest_ms, _)| now.since(SessionTime::from_millis(newest_ms)));
         self.report_age = self.report_age.into_iter().chain(age).min();
         let usual = self.report_age.unwrap_or_default() * 2 + self.profile.silence();
         let is_late = age.is_none_or(|age| age > usual);

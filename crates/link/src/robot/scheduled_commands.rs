@@ -2,8 +2,8 @@
 
 use super::ReceivedCommand;
 use crate::frame::CommandId;
+use crate::session_time::SessionTime;
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 /// Capacity in commands.
 pub(crate) const SCHEDULED_MAX: usize = 64;
@@ -37,8 +37,7 @@ impl ScheduledCommands {
     }
 
     /// When the next one is due.
-    pub(super) fn due_at(&self) -> Duration {
-        let first = self.commands.keys().next();
-        first.map_or(Duration::MAX, |(at_ms, _)| Duration::from_millis(*at_ms))
+    pub(super) fn due_at(&self) -> Option<SessionTime> {
+        self.commands.keys().next().map(|(at_ms, _)| SessionTime::from_millis(*at_ms))
     }
 }

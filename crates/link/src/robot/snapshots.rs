@@ -10,6 +10,7 @@ use crate::deflate::deflate;
 use crate::frame::{Frame, StreamId};
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
+use crate::session_time::SessionTime;
 use std::time::Duration;
 
 /// Interval of snapshots while the up-link works, in status intervals. The station may need one for reasons unknown to the
@@ -36,7 +37,7 @@ enum Need {
 #[derive(Debug)]
 pub(super) struct Snapshots {
     /// When the last one, or its last round, began.
-    begun_at: Option<Duration>,
+    begun_at: Option<SessionTime>,
     need: Need,
     /// The one that is being sent in parts.
     parts: Option<Parts>,
@@ -78,17 +79,17 @@ impl Snapshots {
 
     /// When the next one, or the next part, is sent even if nothing else is: one that is only newer waits a little for events, so that
     /// it costs no datagram.
-    pub(super) fn alone_at(&self, is_heard: bool, profile: &Profile) -> Duration {
+    pub(super) fn alone_at(&self, is_heard: bool, profile: &Profile) -> SessionTime {
         let is_patient = is_heard && self.need == Need::Newer && self.begun_at.is_some();
         let wait = if is_patient { profile.repeat_after } else { Duration::ZERO };
-        self.due_at(is_heard, profile).saturating_add(wait)
+        self.due_at(is_heard, profile) + wait
     }
 
     /// When the next one, or the next part, is due.
-    fn due_at(&self, is_heard: bool, profile: &Profile) -> Duration {
+    fn due_at(&self, is_heard: bool, profile: &Profile) -> SessionTime {
         let is_between = self.parts.as_ref().is_none_or(|parts| parts.sent == 0);
         let Some(at) = self.begun_at.filter(|_| is_between && self.need != Need::Now) else {
-            return Duration::ZERO;
+            return SessionTime::BEGIN;
         };
         let bits = self.parts.as_ref().map_or(0, |parts| parts.deflated.len() as u64 * 8);
         let takes = Duration::from_millis(bits * 1_000 / profile.down_bits_per_s.max(1));

@@ -5,10 +5,10 @@ use super::outgoing::TransmitContext;
 use crate::frame::{StreamId, block_bytes_max};
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
+use crate::session_time::SessionTime;
 use rafcon_events::{EventBlock, EventBlockRef};
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
-use std::time::Duration;
 
 /// Capacity for the newest events, in bytes.
 const BYTES_MAX: usize = 4_096;
@@ -22,8 +22,8 @@ pub(super) struct Tail {
     blocks: VecDeque<SentBlock>,
     bytes: usize,
     /// When any of them were sent, and when any for the first time.
-    sent_at: Option<Duration>,
-    new_sent_at: Option<Duration>,
+    sent_at: Option<SessionTime>,
+    new_sent_at: Option<SessionTime>,
     /// More of them are due than fit into the last datagram.
     is_cut: bool,
 }
@@ -89,14 +89,14 @@ impl Tail {
     }
 
     /// Time of the next send. Each event is sent `sends_max` times.
-    pub(super) fn due_at(&self, profile: &Profile, sends_max: u8) -> Duration {
+    pub(super) fn due_at(&self, profile: &Profile, sends_max: u8) -> Option<SessionTime> {
         let sends = self.blocks.iter().map(|sent| sent.sends).min();
-        match sends.filter(|least| *least < sends_max) {
-            None => Duration::MAX,
-            Some(_) if self.is_cut => Duration::ZERO,
-            Some(0) => self.new_sent_at.map_or(Duration::ZERO, |sent| sent + profile.gather),
-            Some(_) => self.sent_at.map_or(Duration::ZERO, |sent| sent + profile.repeat_after),
-        }
+        let after = match sends.filter(|least| *least < sends_max)? {
+            _ if self.is_cut => None,
+            0 => self.new_sent_at.map(|sent| sent + profile.gather),
+            _ => self.sent_at.map(|sent| sent + profile.repeat_after),
+        };
+        Some(after.unwrap_or(SessionTime::BEGIN))
     }
 
     /// Writes the events with fewer than `sends_max` sends, and those after them, as far as they fit.

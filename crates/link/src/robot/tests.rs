@@ -5,6 +5,7 @@ use crate::endpoint::Identity;
 use crate::frame::{EventHash, StreamId};
 use crate::profile::{Compression, Profile};
 use crate::seal::{KeyId, PairingKey, SenderStart};
+use crate::session_time::SessionTime;
 use crate::station::{FromRobot, StationSession};
 use expect_test::expect;
 use rafcon_events::{EventBlock, EventBlockRef};
@@ -35,7 +36,7 @@ fn after_a_start_the_present_state_comes_before_any_history() {
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
     robot.begin(MACHINES, 1_000);
     robot.begin(EVENTS, 1_000);
-    let (mut now, mut datagrams, mut is_shown) = (Duration::ZERO, 0, false);
+    let (mut now, mut datagrams, mut is_shown) = (SessionTime::BEGIN, 0, false);
     while !is_shown {
         now += Duration::from_millis(1);
         while let Some(mut datagram) = robot.poll_transmit(now, &mut LongHistory).expect("room") {
@@ -65,7 +66,7 @@ fn a_station_that_lost_a_description_has_it_again_without_an_up_link() {
     robot.begin(EVENTS, 1_000);
     robot.begin(MACHINES, 3);
     robot.set_rank(MACHINES, Rank::Description);
-    let mut now = Duration::ZERO;
+    let mut now = SessionTime::BEGIN;
     let mut received = |robot: &mut RobotSession, station: &mut StationSession, ms: u64| {
         let mut received = 0;
         for _ in 0..ms {
@@ -109,7 +110,7 @@ fn no_datagram_is_longer_than_the_profile_says() {
     let identity = Identity { key_id, key: &key, robot: "scout", start, heard: None };
     let mut profile = Profile::LAN;
     (profile.down_bytes_max, profile.compression) = (300, Compression::Nothing);
-    let now = Duration::from_hours(200);
+    let now = SessionTime::after(Duration::from_hours(200));
     for length in 0..260 {
         let mut station = StationSession::new(&identity, profile.clone());
         let mut robot = RobotSession::new(&identity, profile.clone());
@@ -167,10 +168,10 @@ fn what_was_coded_for_a_station_that_started_again_is_sent_again_at_once() {
     let mut robot = RobotSession::new(&identity(1), Profile::DELAY_2S);
     let mut station = StationSession::new(&identity(1), Profile::DELAY_2S);
     robot.begin(RUN, 2_000);
-    let mut now = Duration::ZERO;
+    let mut now = SessionTime::BEGIN;
     // A step of both; what the robot hears is what the station says, or nothing.
     let go_on =
-        |robot: &mut RobotSession, station: &mut StationSession, is_heard, now: Duration| {
+        |robot: &mut RobotSession, station: &mut StationSession, is_heard, now: SessionTime| {
             while let Some(mut datagram) = robot.poll_transmit(now, &mut Journal).expect("room") {
                 // Without the start of the robot, which comes with each status, a short header says nothing.
                 let _unreadable = station.handle_datagram(now, &mut datagram, |_| {});
@@ -218,7 +219,7 @@ fn a_report_that_waited_in_a_cut_is_no_sign_that_the_station_knows_a_context() {
     let mut robot = RobotSession::new(&identity, Profile::DELAY_2S);
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
     robot.begin(RUN, 2_000);
-    let (mut now, mut late) = (Duration::ZERO, None);
+    let (mut now, mut late) = (SessionTime::BEGIN, None);
     for step in 0..2_000 {
         now += Duration::from_millis(10);
         while let Some(mut datagram) = robot.poll_transmit(now, &mut Journal).expect("room") {
@@ -294,7 +295,7 @@ fn twenty_seconds(profile: &Profile) -> ([u64; 4], u32) {
     let (mut down, mut up) = (Vec::new(), Vec::new());
     let (mut bytes, mut shown, delay) = ([0; 4], 0, Duration::from_secs(1));
     for step in 1..=2_000_u64 {
-        let now = Duration::from_millis(step * 10);
+        let now = SessionTime::from_millis(step * 10);
         let mut source = Standing(step / 10 + 1);
         if step % 10 == 0 {
             robot.set_snapshot_changed(RUN);
@@ -359,12 +360,12 @@ fn order(
     mut robot: RobotSession,
     key: &PairingKey,
     is_heard: bool,
-    is_enough: impl Fn(&[StreamId], Duration) -> bool,
+    is_enough: impl Fn(&[StreamId], SessionTime) -> bool,
 ) -> Vec<StreamId> {
     let (key_id, start) = (KeyId(1), SenderStart::new(1, 0));
     let identity = Identity { key_id, key, robot: "scout", start, heard: None };
     let mut station = StationSession::new(&identity, Profile::DELAY_2S);
-    let (mut now, mut order) = (Duration::ZERO, Vec::new());
+    let (mut now, mut order) = (SessionTime::BEGIN, Vec::new());
     while !is_enough(&order, now) {
         if let Some(mut datagram) = robot.poll_transmit(now, &mut LongHistory).unwrap() {
             let note = |shown: FromRobot<'_>| {
@@ -428,7 +429,7 @@ fn a_station_is_asked_for_what_it_may_have_from_before() {
     robot.end(NEEDED);
     robot.ask_first(AHEAD);
     let silence = Profile::DELAY_2S.silence();
-    assert_eq!(order(robot, &key, false, |_, now| now >= silence), []);
+    assert_eq!(order(robot, &key, false, |_, now| now >= SessionTime::after(silence)), []);
     let mut robot = with_ranks(&key);
     robot.ask_first(AHEAD);
     let all = |order: &[StreamId], _| order.len() == 120;
@@ -436,7 +437,7 @@ fn a_station_is_asked_for_what_it_may_have_from_before() {
 }
 
 /// The hash of the events of `RUN` that a datagram tells.
-fn told_chain(station: &mut StationSession, now: Duration, datagram: &mut [u8]) -> Option<u64> {
+fn told_chain(station: &mut StationSession, now: SessionTime, datagram: &mut [u8]) -> Option<u64> {
     let mut told = None;
     let show = |shown: FromRobot<'_>| {
         if let FromRobot::Status { stream: RUN, chain, .. } = shown {
@@ -460,9 +461,9 @@ fn a_run_is_complete_once_the_hash_of_its_events_was_heard() {
         EventBlockRef { first_sequence: 1, count: 1, time_before: 0, bytes: b"an event" },
     );
     robot.set_state(RUN, b"ended", true);
-    let (mut now, mut told, mut sent) = (Duration::ZERO, Vec::new(), 0);
+    let (mut now, mut told, mut sent) = (SessionTime::BEGIN, Vec::new(), 0);
     let mut wait_until_complete = |robot: &mut RobotSession| {
-        while !robot.is_complete(RUN) && now < Duration::from_mins(1) {
+        while !robot.is_complete(RUN) && now < SessionTime::after(Duration::from_mins(1)) {
             now += Duration::from_millis(10);
             while let Some(mut datagram) =
                 robot.poll_transmit(now, &mut NoJournal).expect("a number")

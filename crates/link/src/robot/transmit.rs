@@ -8,17 +8,18 @@ use crate::path_size::LENGTH_MIN;
 use crate::payload_writer::PayloadWriter;
 use crate::profile::CARRIER_OVERHEAD;
 use crate::seal::{For, SealError};
+use crate::session_time::SessionTime;
 use std::time::Duration;
 
 impl RobotSession {
     /// The next datagram, if one is due.
     pub fn poll_transmit(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         source: &mut impl RunSource,
     ) -> Result<Option<Vec<u8>>, SealError> {
         let is_heard = self.is_heard(now);
-        if !is_heard && now >= self.profile.silence() {
+        if !is_heard && now >= SessionTime::after(self.profile.silence()) {
             self.rate.unheard();
         }
         let is_urgent = self.urgent_at(is_heard) <= now;
@@ -76,31 +77,31 @@ impl RobotSession {
         Ok(Some(datagram))
     }
 
-    /// When something may be due next; earlier if anything is received or appended.
-    pub fn poll_timeout(&self, now: Duration) -> Duration {
+    /// When something may be due next; earlier if anything is received or appended. `None` if never.
+    pub fn poll_timeout(&self, now: SessionTime) -> Option<SessionTime> {
         let is_heard = self.is_heard(now);
         let free_at = self.end.pacer.free_at();
-        let urgent = self.urgent_at(is_heard).max(free_at.saturating_sub(self.slack()));
+        let urgent = self.urgent_at(is_heard).max(free_at - self.slack());
         let bulk = self.streams.values().map(|stream| stream.bulk_at(is_heard, &self.profile));
         let watched = self.watched.due_at(|stream| self.behind(stream, is_heard));
-        let values = if is_heard { self.values.due_at() } else { Duration::MAX };
-        let bulk = bulk.min().unwrap_or(Duration::MAX).min(watched).min(values);
-        bulk.max(free_at).min(urgent).min(self.scheduled.due_at()).max(now)
+        let values = self.values.due_at().filter(|_| is_heard);
+        let bulk = SessionTime::earliest(bulk.chain([watched, values])).map(|at| at.max(free_at));
+        Some(urgent.or_earlier([bulk, self.scheduled.due_at()]).max(now))
     }
 
     /// Time of the next keep-alive, from which a restarted station learns the robot's address.
-    fn alive_at(&self) -> Duration {
-        self.sent_at.map_or(Duration::ZERO, |at| at + self.profile.status_every * 4)
+    fn alive_at(&self) -> SessionTime {
+        self.sent_at.map_or(SessionTime::BEGIN, |at| at + self.profile.status_every * 4)
     }
 
-    fn urgent_at(&self, is_heard: bool) -> Duration {
+    /// When urgent data is due, at the latest the keep-alive.
+    fn urgent_at(&self, is_heard: bool) -> SessionTime {
         let states = self.states.values().filter(|state| state.sends < STATE_SENDS);
-        let states = states.map(|state| state.due).min().unwrap_or(Duration::MAX);
+        let states = states.map(|state| state.due).min();
         let streams = self.streams.values().map(|stream| stream.urgent_at(&self.profile, is_heard));
-        let offer = self.offered.as_ref().map_or(Duration::MAX, |(.., due)| *due);
-        let incomplete = self.incomplete.due_at();
-        let urgent = streams.min().unwrap_or(Duration::MAX).min(states).min(incomplete);
-        urgent.min(self.alive_at()).min(offer)
+        let offer = self.offered.as_ref().map(|(.., due)| *due);
+        let others = [states, self.incomplete.due_at(), offer];
+        self.alive_at().or_earlier(streams.chain(others))
     }
 
     /// Send time of two full datagrams.
@@ -109,7 +110,7 @@ impl RobotSession {
         Duration::from_nanos(bits * 1_000_000_000 / self.rate.bits_per_s())
     }
 
-    fn write_offer(&mut self, now: Duration, payload: &mut PayloadWriter) {
+    fn write_offer(&mut self, now: SessionTime, payload: &mut PayloadWriter) {
         if let Some((id, key, due)) = self.offered.as_mut().filter(|(.., due)| *due <= now)
             && payload.try_frame(&Frame::NewKey { id: *id, key: key.clone() })
         {
@@ -117,7 +118,7 @@ impl RobotSession {
         }
     }
 
-    fn write_states(&mut self, now: Duration, payload: &mut PayloadWriter) {
+    fn write_states(&mut self, now: SessionTime, payload: &mut PayloadWriter) {
         let due =
             self.states.iter_mut().filter(|(_, sent)| sent.sends < STATE_SENDS && sent.due <= now);
         for (id, sent) in due {

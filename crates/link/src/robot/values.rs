@@ -9,6 +9,7 @@ use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::seal::OVERHEAD;
+use crate::session_time::SessionTime;
 use std::collections::VecDeque;
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -29,12 +30,12 @@ pub(super) struct Values {
 struct Sending {
     value: ValueName,
     /// When the station asked for it last.
-    asked_at: Duration,
+    asked_at: SessionTime,
     length: Option<u64>,
     /// Which bytes the station has; the first one is 1.
     here: RangeSet,
     /// Sent parts without a report.
-    sent: VecDeque<(Duration, RangeInclusive<u64>)>,
+    sent: VecDeque<(SessionTime, RangeInclusive<u64>)>,
     sent_set: RangeSet,
     /// Bytes that may be in flight or lost.
     budget: u64,
@@ -56,7 +57,7 @@ impl Values {
     /// reordered datagrams.
     pub(super) fn wanted(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         fetch: Fetch,
         echo: Option<(u64, u64)>,
         profile: &Profile,
@@ -82,9 +83,8 @@ impl Values {
     }
 
     /// When a part can be sent.
-    pub(super) fn due_at(&self) -> Duration {
-        let is_any = self.sending.iter().any(Sending::has_next);
-        if is_any { Duration::ZERO } else { Duration::MAX }
+    pub(super) fn due_at(&self) -> Option<SessionTime> {
+        self.sending.iter().any(Sending::has_next).then_some(SessionTime::BEGIN)
     }
 
     /// Fills the rest of the datagram with parts.
@@ -111,7 +111,7 @@ impl Sending {
     fn of(value: ValueName) -> Self {
         Self {
             value,
-            asked_at: Duration::ZERO,
+            asked_at: SessionTime::BEGIN,
             length: None,
             here: RangeSet::default(),
             sent: VecDeque::new(),
@@ -127,7 +127,7 @@ impl Sending {
         self.here = here;
         let Some((newest_ms, late_ms)) = echo else { return };
         let late = Duration::from_millis(late_ms) + profile.repeat_after;
-        let lost_before = Duration::from_millis(newest_ms).saturating_sub(late);
+        let lost_before = SessionTime::from_millis(newest_ms) - late;
         let (here, lost) = (&self.here, &mut self.lost);
         // The station counts the bytes that it has.
         self.sent.retain(|(at, range)| {
@@ -148,7 +148,7 @@ impl Sending {
 
     fn write_next(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         source: &mut impl RunSource,
         bytes_max: usize,
         payload: &mut PayloadWriter,

@@ -8,8 +8,8 @@ use crate::frame::{Frame, StreamId, ValueFrame, WatchPart, Watched};
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Pacer;
 use crate::profile::Profile;
+use crate::session_time::SessionTime;
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 /// Longest list of watched values, in bytes.
 pub(crate) const WATCH_BYTES_MAX: u32 = 16 << 10;
@@ -69,7 +69,7 @@ struct WatchedRun {
 struct Sent {
     value: NewestValue,
     sends: u8,
-    due: Duration,
+    due: SessionTime,
 }
 
 /// State of a run at the station: whether reports arrive, and the first event that may be missing without being in flight.
@@ -129,14 +129,14 @@ impl WatchedValues {
         let is_room = run.values.len() < VALUES_MAX || run.values.contains_key(&key);
         let known = run.values.get(&key).map(|sent| &sent.value);
         if is_room && value.bytes.len() <= VALUE_BYTES_MAX && known != Some(&value) {
-            run.values.insert(key, Sent { value, sends: 0, due: Duration::ZERO });
+            run.values.insert(key, Sent { value, sends: 0, due: SessionTime::BEGIN });
         }
     }
 
     /// When something is due.
-    pub(super) fn due_at(&self, behind: impl Fn(StreamId) -> Behind) -> Duration {
+    pub(super) fn due_at(&self, behind: impl Fn(StreamId) -> Behind) -> Option<SessionTime> {
         let due = self.runs.iter().map(|(stream, run)| run.due_at(behind(*stream)));
-        due.min().unwrap_or(Duration::MAX).max(self.pacer.free_at())
+        SessionTime::earliest(due).map(|at| at.max(self.pacer.free_at()))
     }
 
     /// Writes what is due of a run, as far as it fits.
@@ -148,7 +148,8 @@ impl WatchedValues {
         payload: &mut PayloadWriter,
     ) {
         let Some(run) = self.runs.get_mut(&stream) else { return };
-        if self.pacer.free_at() > turn.now || run.due_at(behind) > turn.now {
+        let is_due = run.due_at(behind).is_some_and(|at| at <= turn.now);
+        if self.pacer.free_at() > turn.now || !is_due {
             return;
         }
         let head = 1 + 5 + number_length(run.number) + 3;
@@ -170,10 +171,9 @@ impl WatchedValues {
 }
 
 impl WatchedRun {
-    fn due_at(&self, behind: Behind) -> Duration {
+    fn due_at(&self, behind: Behind) -> Option<SessionTime> {
         let due = self.values.values().filter(|sent| sent.is_open(behind)).map(|sent| sent.due);
-        let told = if self.is_told_due { Duration::ZERO } else { Duration::MAX };
-        due.min().unwrap_or(Duration::MAX).min(told)
+        if self.is_told_due { Some(SessionTime::BEGIN) } else { due.min() }
     }
 
     /// Due values that fit, in order of priority.

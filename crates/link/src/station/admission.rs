@@ -6,6 +6,7 @@ use crate::frame::{COMMAND_LENGTH_MAX, CommandId};
 use crate::profile::CARRIER_OVERHEAD;
 use crate::robot::SCHEDULED_MAX;
 use crate::seal::OVERHEAD;
+use crate::session_time::SessionTime;
 use std::time::Duration;
 
 /// Bytes of a datagram besides the body of a command.
@@ -13,7 +14,7 @@ const COMMAND_HEAD_MAX: usize = 64;
 
 impl StationSession {
     /// Sends a command until its fate is known or its time is over.
-    pub fn command(&mut self, now: Duration, command: NewCommand) -> Result<(), NotSent> {
+    pub fn command(&mut self, now: SessionTime, command: NewCommand) -> Result<(), NotSent> {
         let times = self.times_of(now, &command, self.commands.missing_bytes())?;
         self.command_at(now, command.at(times))
     }
@@ -21,7 +22,7 @@ impl StationSession {
     /// Sends all of these commands, or none of them: then the result has a place for each, with the reason if it cannot be sent.
     pub fn command_all(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         commands: Vec<NewCommand>,
     ) -> Result<(), Vec<Result<(), NotSent>>> {
         let times: Vec<_> = self.times_of_all(now, &commands);
@@ -38,13 +39,13 @@ impl StationSession {
     }
 
     /// The reason for each of these commands that could not be sent with the others.
-    pub fn check_all(&self, now: Duration, commands: &[NewCommand]) -> Vec<Result<(), NotSent>> {
+    pub fn check_all(&self, now: SessionTime, commands: &[NewCommand]) -> Vec<Result<(), NotSent>> {
         self.times_of_all(now, commands).into_iter().map(|times| times.map(drop)).collect()
     }
 
     fn times_of_all(
         &self,
-        now: Duration,
+        now: SessionTime,
         commands: &[NewCommand],
     ) -> Vec<Result<RobotTimes, NotSent>> {
         let clock = self.robot_clock(now);
@@ -77,7 +78,7 @@ impl StationSession {
     /// Times of a command on the robot's clock. `missing` counts the unsent bytes of commands in parts before it.
     pub(super) fn times_of(
         &self,
-        now: Duration,
+        now: SessionTime,
         NewCommand { valid, wait, body, .. }: &NewCommand,
         missing: u64,
     ) -> Result<RobotTimes, NotSent> {

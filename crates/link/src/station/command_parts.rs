@@ -4,6 +4,7 @@ use crate::assembly::PART_MIN;
 use crate::frame::{CommandId, CommandPart, Frame, PartsHere};
 use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
+use crate::session_time::SessionTime;
 use std::time::Duration;
 
 /// Bytes of a command, numbered from 1.
@@ -14,7 +15,7 @@ pub(super) struct CommandParts {
     /// Sent in this round, or arrived.
     sent: RangeSet,
     /// Time of the last round that a report began.
-    resent_at: Option<Duration>,
+    resent_at: Option<SessionTime>,
     is_round_over: bool,
 }
 
@@ -28,7 +29,7 @@ impl CommandParts {
     /// lost; reports of the last round trip may be older than the parts that were sent again.
     pub(super) fn report(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         here: &PartsHere,
         length: u64,
         round_trip: Duration,

@@ -6,8 +6,9 @@ use crate::frame::{
 };
 use crate::heard::{ClockBounds, drift};
 use crate::payload_writer::PayloadWriter;
-use crate::robot::{SCHEDULED_MAX, now_ms};
+use crate::robot::SCHEDULED_MAX;
 use crate::seal::Generation;
+use crate::session_time::{SessionTime, millis};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -137,8 +138,8 @@ impl RobotTimes {
         valid: Duration,
     ) -> Result<Self, NotSent> {
         let not_after =
-            clock.earliest_ms.saturating_add(now_ms(valid.saturating_sub(drift(valid))));
-        let not_before = match wait.map(|wait| now_ms(wait + drift(wait))) {
+            clock.earliest_ms.saturating_add(millis(valid.saturating_sub(drift(valid))));
+        let not_before = match wait.map(|wait| millis(wait + drift(wait))) {
             None => 0,
             Some(wait_ms) => clock.latest_ms.ok_or(NotSent::OneWay)?.saturating_add(wait_ms).max(1),
         };
@@ -169,8 +170,8 @@ struct SentCommand {
     times: RobotTimes,
     sends: u32,
     /// Time of this session at which it was first sent.
-    first_sent: Option<Duration>,
-    due: Duration,
+    first_sent: Option<SessionTime>,
+    due: SessionTime,
     /// The robot has it; its fate is not known yet.
     is_received: bool,
     /// An earlier start of this side may have sent it.
@@ -218,7 +219,7 @@ impl Commands {
 
     /// Adds a command for which room was made; one with more than `whole_max` bytes is sent in parts. One that is on its way already
     /// stays as it is.
-    pub(super) fn add(&mut self, now: Duration, command: TimedCommand, whole_max: usize) {
+    pub(super) fn add(&mut self, now: SessionTime, command: TimedCommand, whole_max: usize) {
         let TimedCommand { id, times, epoch, body, is_restored } = command;
         let parts = (body.len() > whole_max).then(CommandParts::default);
         self.sent.entry(id).or_insert(SentCommand {
@@ -245,7 +246,7 @@ impl Commands {
     /// Takes the robot's answer. A command that it only has is asked for again: the fate may be lost on the way.
     pub(super) fn answered(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         id: CommandId,
         state: CommandState,
         round_trip: Duration,
@@ -263,7 +264,7 @@ impl Commands {
     }
 
     /// Takes the robot's report on the parts of a command.
-    pub(super) fn parts_here(&mut self, now: Duration, here: &PartsHere, round_trip: Duration) {
+    pub(super) fn parts_here(&mut self, now: SessionTime, here: &PartsHere, round_trip: Duration) {
         let Some(sent) = self.sent.get_mut(&here.id) else { return };
         let (Some(parts), length) = (&mut sent.parts, sent.body.len() as u64) else { return };
         if parts.report(now, here, length, round_trip) {
@@ -290,11 +291,11 @@ impl Commands {
     }
 
     /// When the next one is to be sent. The link is free from `free_at` on.
-    pub(super) fn due_at(&self, free_at: Duration) -> Duration {
+    pub(super) fn due_at(&self, free_at: SessionTime) -> Option<SessionTime> {
         let due = |sent: &SentCommand| {
             if sent.is_overdue || sent.parts.is_some() { sent.due.max(free_at) } else { sent.due }
         };
-        self.sent.values().map(due).min().unwrap_or(Duration::MAX)
+        self.sent.values().map(due).min()
     }
 
     /// Commands that have just become overdue: expired by the robot's clock, without an answer of the robot.
@@ -322,7 +323,7 @@ impl Commands {
         &mut self,
         start: Generation,
         at_ms: u64,
-        heard: Duration,
+        heard: SessionTime,
     ) -> Vec<CommandId> {
         let is_unheard = |_: &CommandId, sent: &mut SentCommand| {
             let RobotTimes { start: of, not_after, .. } = sent.times;
@@ -334,7 +335,7 @@ impl Commands {
     }
 
     /// Makes all overdue commands due, after a silence of the robot.
-    pub(super) fn ask_again(&mut self, now: Duration) {
+    pub(super) fn ask_again(&mut self, now: SessionTime) {
         for sent in self.sent.values_mut().filter(|sent| sent.is_overdue) {
             (sent.due, sent.sends) = (now, sent.sends.min(FIRST_SENDS));
         }
@@ -344,7 +345,7 @@ impl Commands {
     /// `round_trip` is how long an answer takes.
     pub(super) fn write(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         is_free: bool,
         round_trip: Duration,
         payload: &mut PayloadWriter,
@@ -362,7 +363,7 @@ impl Commands {
     /// Writes the parts of longer ones, and their heads after them, as far as there is room.
     pub(super) fn write_parts(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         round_trip: Duration,
         payload: &mut PayloadWriter,
     ) {
@@ -400,7 +401,7 @@ impl SentCommand {
         payload.try_frame(&Frame::Command(Command { id, terms, body }))
     }
 
-    fn note_sent(&mut self, now: Duration, round_trip: Duration) {
+    fn note_sent(&mut self, now: SessionTime, round_trip: Duration) {
         self.first_sent.get_or_insert(now);
         self.sends += 1;
         self.due = now + self.next_after(round_trip);

@@ -7,7 +7,7 @@ use crate::coding::{Contexts, LastCoder, OfferedSnapshots};
 use crate::deflate::inflate;
 use crate::frame::Packing;
 use crate::range_set::RangeSet;
-use std::time::Duration;
+use crate::session_time::SessionTime;
 
 /// A report of a run that is over and complete is sent this often after the last news of it.
 pub(super) const LAST_REPORTS: u8 = 8;
@@ -31,7 +31,7 @@ pub(super) struct Incoming {
     /// Number of remaining reports.
     pub(super) reports: u8,
     /// When the robot named it last.
-    pub(super) named_at: Duration,
+    pub(super) named_at: SessionTime,
 }
 
 impl Incoming {

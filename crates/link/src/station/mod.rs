@@ -28,8 +28,8 @@ use crate::heard::{ClockBounds, RobotClock};
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use crate::robot::now_ms;
 use crate::seal::{Direction, For, Horizon, KeyId, PairingKey, SealError};
+use crate::session_time::SessionTime;
 use crate::traffic::Traffic;
 use commands::Commands;
 use std::borrow::Cow;
@@ -60,18 +60,18 @@ pub struct StationSession {
     /// Start of the robot's session by its present calendar.
     calendar_ms: Option<u64>,
     /// The time of the datagram that was received last.
-    now: Duration,
+    now: SessionTime,
     streams: Streams,
     /// The stream that begins the next report.
     report_from: StreamId,
-    reported_at: Option<Duration>,
+    reported_at: Option<SessionTime>,
     has_news: bool,
     commands: Commands,
     value_requests: ValueRequests,
 }
 
 impl StationSession {
-    /// A session from now on. Times are those since its begin, by a clock that never goes back.
+    /// A session that begins now.
     pub fn new(identity: &Identity<'_>, profile: Profile) -> Self {
         Self {
             end: Endpoint::new(identity, Direction::Up, &profile),
@@ -80,7 +80,7 @@ impl StationSession {
             reached_ms: None,
             echo_ms: None,
             calendar_ms: None,
-            now: Duration::ZERO,
+            now: SessionTime::BEGIN,
             streams: Streams::default(),
             report_from: StreamId(0),
             reported_at: None,
@@ -142,7 +142,7 @@ impl StationSession {
     }
 
     /// True while streams are turned away because too many are open.
-    pub fn is_crowded(&self, now: Duration) -> bool {
+    pub fn is_crowded(&self, now: SessionTime) -> bool {
         self.streams.is_crowded(now)
     }
 
@@ -174,7 +174,7 @@ impl StationSession {
     }
 
     /// Time since the last datagram of the robot.
-    pub fn heard_before(&self, now: Duration) -> Option<Duration> {
+    pub fn heard_before(&self, now: SessionTime) -> Option<Duration> {
         self.end.heard.before(now)
     }
 
@@ -189,7 +189,7 @@ impl StationSession {
     }
 
     /// Lifetime of a command that is given without one: two round trips, the uncertainty of the robot's clock, and 10 s.
-    pub fn command_lifetime(&self, now: Duration) -> Duration {
+    pub fn command_lifetime(&self, now: SessionTime) -> Duration {
         let round_trip = self.round_trip.unwrap_or(self.profile.round_trip);
         let clock = self.robot_clock(now).and_then(|clock| {
             Some(Duration::from_millis(clock.latest_ms?.saturating_sub(clock.earliest_ms)))
@@ -198,12 +198,12 @@ impl StationSession {
     }
 
     /// Age of the last datagram that the robot has acknowledged. `None` without any.
-    pub fn reached_before(&self, now: Duration) -> Option<Duration> {
-        self.reached_ms.map(|at| now.saturating_sub(Duration::from_millis(at)))
+    pub fn reached_before(&self, now: SessionTime) -> Option<Duration> {
+        self.reached_ms.map(|at| now.since(SessionTime::from_millis(at)))
     }
 
     /// The robot's calendar, at least and at most, in ms since 1970, UTC.
-    pub fn robot_calendar(&self, now: Duration) -> Option<(u64, Option<u64>)> {
+    pub fn robot_calendar(&self, now: SessionTime) -> Option<(u64, Option<u64>)> {
         let (clock, began) = (self.robot_clock(now)?, self.calendar_ms?);
         let at = |clock_ms: u64| began.saturating_add(clock_ms);
         Some((at(clock.earliest_ms), clock.latest_ms.map(at)))
@@ -221,13 +221,13 @@ impl StationSession {
 
     /// Commands that expired since the last call with an unknown fate. The session requests their fates until the robot
     /// answers.
-    pub fn take_overdue(&mut self, now: Duration) -> Vec<CommandId> {
-        self.commands.take_overdue(self.clock.bounds(now_ms(now)))
+    pub fn take_overdue(&mut self, now: SessionTime) -> Vec<CommandId> {
+        self.commands.take_overdue(self.clock.bounds(now.as_millis()))
     }
 
     /// Between which times the robot's clock is.
-    pub fn robot_clock(&self, now: Duration) -> Option<ClockBounds> {
-        self.clock.bounds(now_ms(now))
+    pub fn robot_clock(&self, now: SessionTime) -> Option<ClockBounds> {
+        self.clock.bounds(now.as_millis())
     }
 
     /// Progress of a stream; `None` if it is unknown.
@@ -259,7 +259,7 @@ impl StationSession {
     }
 
     /// The next datagram, if one is due.
-    pub fn poll_transmit(&mut self, now: Duration) -> Result<Option<Vec<u8>>, SealError> {
+    pub fn poll_transmit(&mut self, now: SessionTime) -> Result<Option<Vec<u8>>, SealError> {
         let before = self.end.heard.before(now);
         let is_heard = before.is_some_and(|before| before < self.profile.silence());
         let room = self.end.path.max() - self.end.overhead(is_heard);
@@ -282,11 +282,11 @@ impl StationSession {
         self.end.seal(now, whom, &payload).map(Some)
     }
 
-    /// When something may be due next; earlier if anything is received.
-    pub fn poll_timeout(&self, now: Duration) -> Duration {
-        let report = self.report_at().min(self.value_requests.due_at());
+    /// When something may be due next; earlier if anything is received. `None` if never.
+    pub fn poll_timeout(&self, now: SessionTime) -> Option<SessionTime> {
         let free_at = self.end.pacer.free_at();
-        report.max(free_at).min(self.commands.due_at(free_at)).max(now)
+        let report = self.report_at().or_earlier([self.value_requests.due_at()]).max(free_at);
+        Some(report.or_earlier([self.commands.due_at(free_at)]).max(now))
     }
 
     /// Earliest time of an answer.

@@ -7,7 +7,7 @@ use crate::coding::OfferedSnapshots;
 use crate::deflate::inflate;
 use crate::endpoint::{Arrived, Unusable};
 use crate::frame::{CommandState, Frame, StreamId, ValueFrame};
-use crate::robot::now_ms;
+use crate::session_time::SessionTime;
 use rafcon_events::EventBlockRef;
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ impl StationSession {
     /// Handles a received datagram. `show` receives its new content.
     pub fn handle_datagram(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         datagram: &mut [u8],
         mut show: impl FnMut(FromRobot<'_>),
     ) -> Result<(), Unusable> {
@@ -36,7 +36,7 @@ impl StationSession {
             (self.has_news, self.reported_at) = (true, None);
             self.commands.ask_again(now);
         }
-        self.clock.receive(generation, at_ms, now_ms(now));
+        self.clock.receive(generation, at_ms, now.as_millis());
         for frame in frames {
             self.take(now, at_ms, &frame?, &mut show);
         }
@@ -45,7 +45,7 @@ impl StationSession {
 
     fn take(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         at_ms: u64,
         frame: &Frame<'_>,
         show: &mut impl FnMut(FromRobot<'_>),
@@ -78,11 +78,11 @@ impl StationSession {
                 self.end.confirm(number);
                 self.echo_ms = Some(newest_ms.saturating_sub(late_ms));
                 let heard_at = at_ms.saturating_sub(held_ms);
-                self.clock.robot_heard(heard_at, newest_ms, now_ms(now));
-                let since = now_ms(now).saturating_sub(newest_ms).saturating_sub(held_ms);
+                self.clock.robot_heard(heard_at, newest_ms, now.as_millis());
+                let since = now.as_millis().saturating_sub(newest_ms).saturating_sub(held_ms);
                 self.round_trip = Some(Duration::from_millis(since));
                 self.reached_ms = self.reached_ms.max(Some(newest_ms));
-                self.expire_unheard(at_ms, Duration::from_millis(newest_ms), show);
+                self.expire_unheard(at_ms, SessionTime::from_millis(newest_ms), show);
             }
             Frame::Arrived { bytes, longest } => {
                 let longest = usize::try_from(longest).unwrap_or(usize::MAX);
@@ -108,7 +108,7 @@ impl StationSession {
     fn expire_unheard(
         &mut self,
         at_ms: u64,
-        heard: Duration,
+        heard: SessionTime,
         show: &mut impl FnMut(FromRobot<'_>),
     ) {
         let Some(clock) = self.robot_clock(self.now) else { return };

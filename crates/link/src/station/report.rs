@@ -8,16 +8,16 @@ use crate::frame::{Frame, Received, StreamId};
 use crate::payload_writer::PayloadWriter;
 use crate::profile::Profile;
 use crate::range_set::RangeSet;
-use std::time::Duration;
+use crate::session_time::SessionTime;
 
 impl StationSession {
-    pub(super) fn report_at(&self) -> Duration {
+    pub(super) fn report_at(&self) -> SessionTime {
         let Profile { report_every, .. } = self.profile;
         let every = if self.has_news { report_every } else { self.profile.report_idle_every() };
-        self.reported_at.map_or(Duration::ZERO, |at| at + every)
+        self.reported_at.map_or(SessionTime::BEGIN, |at| at + every)
     }
 
-    pub(super) fn write_report(&mut self, now: Duration, payload: &mut PayloadWriter) {
+    pub(super) fn write_report(&mut self, now: SessionTime, payload: &mut PayloadWriter) {
         let clocks = [self.end.heard.frame(now), self.end.heard.arrived()];
         if !payload.try_frames(clocks.iter().flatten()) {
             // Commands need all of this datagram; the report is due again with the next one.

@@ -3,13 +3,13 @@
 use super::StationSession;
 use super::commands::{NewCommand, NotSent, RobotTimes, TimedCommand};
 use crate::frame::CommandId;
-use std::time::Duration;
+use crate::session_time::SessionTime;
 
 impl StationSession {
     /// Times on the robot's clock of a command that can be sent now, besides `others` that are not sent yet.
     pub fn times_for(
         &self,
-        now: Duration,
+        now: SessionTime,
         command: &NewCommand,
         others: usize,
     ) -> Result<RobotTimes, NotSent> {
@@ -27,7 +27,7 @@ impl StationSession {
 
     /// Sends a command with these times until its fate is known. It needs no signal of the robot: a start of the robot that the times
     /// are not of reports the fate, and does not carry it out.
-    pub fn command_at(&mut self, now: Duration, command: TimedCommand) -> Result<(), NotSent> {
+    pub fn command_at(&mut self, now: SessionTime, command: TimedCommand) -> Result<(), NotSent> {
         if !self.commands.has(command.id) {
             self.commands.make_room(1)?;
         }
@@ -42,6 +42,7 @@ mod tests {
     use super::super::tests::Pair;
     use super::*;
     use crate::frame::CommandState;
+    use std::time::Duration;
 
     const ID: CommandId = CommandId([3; 16]);
 

@@ -3,6 +3,7 @@
 use super::incoming::{Incoming, LAST_REPORTS};
 use crate::frame::StreamId;
 use crate::range_set::RangeSet;
+use crate::session_time::SessionTime;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
 
@@ -50,9 +51,9 @@ pub(super) struct Streams {
     settled_max: usize,
     /// Settled streams with a report due.
     asked: BTreeSet<StreamId>,
-    turned_away_at: Option<Duration>,
+    turned_away_at: Option<SessionTime>,
     /// Before this, no open stream makes room.
-    room_at: Duration,
+    room_at: SessionTime,
 }
 
 impl Default for Streams {
@@ -64,14 +65,14 @@ impl Default for Streams {
             settled_max: SETTLED_MAX,
             asked: BTreeSet::new(),
             turned_away_at: None,
-            room_at: Duration::ZERO,
+            room_at: SessionTime::BEGIN,
         }
     }
 }
 
 impl Streams {
     /// The open stream of this number, opened if it has room; a settled one is opened again.
-    pub(super) fn incoming(&mut self, now: Duration, stream: StreamId) -> Option<&mut Incoming> {
+    pub(super) fn incoming(&mut self, now: SessionTime, stream: StreamId) -> Option<&mut Incoming> {
         if self.open.len() >= OPEN_MAX && !self.open.contains_key(&stream) && !self.make_room(now) {
             self.turned_away_at = Some(now);
             return None;
@@ -176,12 +177,12 @@ impl Streams {
     }
 
     /// True if a stream was turned away recently.
-    pub(super) fn is_crowded(&self, now: Duration) -> bool {
-        self.turned_away_at.is_some_and(|at| now.saturating_sub(at) < CROWDED_FOR)
+    pub(super) fn is_crowded(&self, now: SessionTime) -> bool {
+        self.turned_away_at.is_some_and(|at| now.since(at) < CROWDED_FOR)
     }
 
     /// Settles the open stream that the robot has not named for longest, if that is long ago.
-    fn make_room(&mut self, now: Duration) -> bool {
+    fn make_room(&mut self, now: SessionTime) -> bool {
         if now < self.room_at {
             return false;
         }

@@ -8,6 +8,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::{RobotSession, RunSource, SCHEDULED_MAX};
 use crate::seal::{KeyId, PairingKey, Rejected, SenderStart};
+use crate::session_time::SessionTime;
 use rafcon_events::EventBlock;
 use std::time::Duration;
 
@@ -26,7 +27,7 @@ impl RunSource for NoRuns {
 
 pub(super) struct Pair {
     offered: Option<KeyId>,
-    pub(super) now: Duration,
+    pub(super) now: SessionTime,
     pub(super) robot: RobotSession,
     pub(super) station: StationSession,
     pub(super) carried_out: Vec<CommandId>,
@@ -38,7 +39,7 @@ impl Pair {
         let (robot, station) = (robot(1), station(1));
         Self {
             offered: None,
-            now: Duration::ZERO,
+            now: SessionTime::BEGIN,
             robot,
             station,
             carried_out: Vec::new(),

@@ -7,6 +7,7 @@ use crate::frame::{Fetch, Frame, StreamId, ValueFrame, ValueId, ValueName, Watch
 use crate::payload_writer::PayloadWriter;
 use crate::range_set::RangeSet;
 use crate::robot::WATCH_BYTES_MAX;
+use crate::session_time::SessionTime;
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -52,7 +53,7 @@ struct Watch {
     body: Vec<u8>,
     /// Progress in this round.
     sent: usize,
-    due: Duration,
+    due: SessionTime,
     /// Number of complete rounds.
     rounds: u32,
     is_confirmed: bool,
@@ -75,7 +76,7 @@ impl ValueRequests {
     /// The robot has started again: it may know of nothing.
     pub(super) fn repeat(&mut self) {
         for watch in self.watches.values_mut() {
-            (watch.sent, watch.due, watch.rounds) = (0, Duration::ZERO, 0);
+            (watch.sent, watch.due, watch.rounds) = (0, SessionTime::BEGIN, 0);
             watch.is_confirmed = false;
         }
     }
@@ -119,9 +120,9 @@ impl ValueRequests {
     }
 
     /// When a part of what is watched is to be sent.
-    pub(super) fn due_at(&self) -> Duration {
+    pub(super) fn due_at(&self) -> Option<SessionTime> {
         let open = self.watches.values().filter(|watch| !watch.is_confirmed);
-        open.map(|watch| watch.due).min().unwrap_or(Duration::MAX)
+        open.map(|watch| watch.due).min()
     }
 
     /// Repeats the requests for large values, with the received bytes.
@@ -151,7 +152,7 @@ impl ValueRequests {
     /// Sends what is watched, until the robot has it. `answer` is how long an answer takes.
     pub(super) fn write_watches(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         answer: Duration,
         payload: &mut PayloadWriter,
     ) {
@@ -192,7 +193,7 @@ impl StationSession {
         if body.len() > WATCH_BYTES_MAX as usize {
             return Err(NotWatched(body.len(), WATCH_BYTES_MAX));
         }
-        let (sent, due, rounds, is_confirmed) = (0, Duration::ZERO, 0, false);
+        let (sent, due, rounds, is_confirmed) = (0, SessionTime::BEGIN, 0, false);
         let watch = Watch { number, body, sent, due, rounds, is_confirmed };
         self.value_requests.watches.insert(stream, watch);
         Ok(())

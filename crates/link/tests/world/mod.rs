@@ -2,7 +2,7 @@
 
 use rafcon_link::{
     CommandId, EventBlock, EventBlockRef, FromRobot, Identity, KeyId, PairingKey, Profile,
-    RobotSession, RunSource, SenderStart, StationSession, StreamId,
+    RobotSession, RunSource, SenderStart, SessionTime, StationSession, StreamId,
 };
 use rafcon_testkit::link_world::{Carrier, Conditions};
 use std::collections::BTreeMap;
@@ -82,11 +82,17 @@ impl World {
         }
     }
 
+    /// The time of both sessions.
+    pub(crate) fn session_time(&self) -> SessionTime {
+        SessionTime::after(self.now)
+    }
+
     /// Lets time pass.
     pub(crate) fn go_on(&mut self, until: Duration) {
         let mut journal = Journal { item: self.item };
         while self.now < until {
             self.now += Duration::from_millis(1);
+            let now = self.session_time();
             while self.every * u32::try_from(self.head + 1).expect("few") <= self.now {
                 self.head += 1;
                 let items = (self.item)(self.head);
@@ -98,23 +104,20 @@ impl World {
                 };
                 self.robot.append(RUN, block);
             }
-            while let Some(datagram) =
-                self.robot.poll_transmit(self.now, &mut journal).expect("room")
-            {
+            while let Some(datagram) = self.robot.poll_transmit(now, &mut journal).expect("room") {
                 if datagram.len() <= self.carries {
                     self.down.send(self.now, datagram);
                 }
             }
-            while let Some(datagram) = self.station.poll_transmit(self.now).expect("room") {
+            while let Some(datagram) = self.station.poll_transmit(now).expect("room") {
                 if datagram.len() <= self.carries {
                     self.up.send(self.now, datagram);
                 }
             }
             while let Some(mut datagram) = self.up.arrive(self.now) {
                 let all = &mut self.carried_out;
-                let _doubled = self
-                    .robot
-                    .handle_datagram(self.now, &mut datagram, |command| all.push(command.id));
+                let _doubled =
+                    self.robot.handle_datagram(now, &mut datagram, |command| all.push(command.id));
             }
             while let Some(mut datagram) = self.down.arrive(self.now) {
                 self.receive(&mut datagram);
@@ -136,7 +139,7 @@ impl World {
             FromRobot::Events { block, .. } => *files += block.count,
             _ => {}
         };
-        let _doubled = self.station.handle_datagram(now, datagram, show);
+        let _doubled = self.station.handle_datagram(SessionTime::after(now), datagram, show);
     }
 
     /// The longest delay of the 99 % fastest events of this time, beyond that of the link.

@@ -98,7 +98,7 @@ impl Acceptor {
         let now = self.clock.now();
         while connections.len() >= CONNECTIONS_MAX {
             let is_heard = |connection: &Connection| {
-                connection.heard().is_some_and(|at| now.saturating_sub(at) < LATELY)
+                connection.heard().is_some_and(|at| now.since(at) < LATELY)
             };
             let mut unheard: BTreeMap<Option<IpAddr>, usize> = BTreeMap::new();
             for connection in connections.iter().filter(|connection| !is_heard(connection)) {

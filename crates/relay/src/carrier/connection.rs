@@ -4,6 +4,7 @@
 use super::{Carrier, Deliver};
 use crate::clock::SessionClock;
 use parking_lot::Mutex;
+use rafcon_link::SessionTime;
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 use rustix::io::Errno;
 use socket2::SockRef;
@@ -47,10 +48,10 @@ pub(super) type Socket = WebSocket<Box<dyn ByteStream>>;
 
 /// Send queue.
 #[derive(Debug, Default)]
-struct Waiting(VecDeque<(Duration, Vec<u8>)>);
+struct Waiting(VecDeque<(SessionTime, Vec<u8>)>);
 
 impl Waiting {
-    fn push(&mut self, now: Duration, datagram: &[u8]) {
+    fn push(&mut self, now: SessionTime, datagram: &[u8]) {
         if self.0.len() >= WAITING_MAX {
             self.0.pop_front();
         }
@@ -58,9 +59,9 @@ impl Waiting {
     }
 
     /// The oldest that is not too old.
-    fn next(&mut self, now: Duration) -> Option<Vec<u8>> {
+    fn next(&mut self, now: SessionTime) -> Option<Vec<u8>> {
         while let Some((since, datagram)) = self.0.pop_front() {
-            if now.saturating_sub(since) <= WAITS_MAX {
+            if now.since(since) <= WAITS_MAX {
                 return Some(datagram);
             }
         }
@@ -76,14 +77,14 @@ pub(crate) struct Connection {
     /// Address of the peer.
     address: Option<IpAddr>,
     clock: SessionClock,
-    opened: Duration,
+    opened: SessionTime,
     waiting: Mutex<Waiting>,
     /// Wakes the thread.
     wake: OwnedFd,
     /// When something of the other side came over it.
-    heard: Mutex<Option<Duration>>,
+    heard: Mutex<Option<SessionTime>>,
     /// When the first datagram since then was sent.
-    unanswered: Mutex<Option<Duration>>,
+    unanswered: Mutex<Option<SessionTime>>,
     is_closed: AtomicBool,
 }
 
@@ -129,17 +130,17 @@ impl Connection {
     }
 
     /// Time of the last valid datagram received.
-    pub(super) fn heard(&self) -> Option<Duration> {
+    pub(super) fn heard(&self) -> Option<SessionTime> {
         *self.heard.lock()
     }
 
     /// Start of the present silence.
-    pub(super) fn silent_since(&self) -> Duration {
+    pub(super) fn silent_since(&self) -> SessionTime {
         self.heard().unwrap_or(self.opened)
     }
 
     /// Time since which an answer is pending. A peer that received nothing owes none.
-    pub(super) fn unanswered_since(&self) -> Option<Duration> {
+    pub(super) fn unanswered_since(&self) -> Option<SessionTime> {
         *self.unanswered.lock()
     }
 
@@ -246,23 +247,23 @@ fn wait(socket: &Socket, connection: &Connection, is_full: bool) -> io::Result<(
 mod tests {
     use super::{ByteStream, Connection, UNSENT_MAX, WAITING_MAX, WAITS_MAX, Waiting, carry};
     use crate::clock::SessionClock;
+    use rafcon_link::SessionTime;
     use socket2::{Domain, Socket, Type};
     use std::io::Read as _;
     use std::net::{TcpListener, TcpStream};
     use std::sync::Arc;
     use std::thread;
-    use std::time::Duration;
     use tungstenite::WebSocket;
     use tungstenite::protocol::Role;
 
-    fn numbers(waiting: &mut Waiting, now: Duration) -> Vec<u8> {
+    fn numbers(waiting: &mut Waiting, now: SessionTime) -> Vec<u8> {
         std::iter::from_fn(|| waiting.next(now)).flatten().collect()
     }
 
     #[test]
     fn of_what_cannot_be_written_the_newest_waits_and_not_for_long() {
         let mut waiting = Waiting::default();
-        let (early, late) = (Duration::from_secs(1), Duration::from_secs(2));
+        let [early, late] = [1_000, 2_000].map(SessionTime::from_millis);
         (0..200).for_each(|number| waiting.push(early, &[number]));
         assert_eq!(waiting.0.len(), WAITING_MAX);
         waiting.push(late, &[200]);

@@ -6,6 +6,7 @@ use super::{Carrier, Deliver};
 use crate::clock::SessionClock;
 use crate::inbox::{LOOK, Stopper};
 use parking_lot::Mutex;
+use rafcon_link::SessionTime;
 use std::fmt;
 use std::io;
 use std::sync::Arc;
@@ -87,7 +88,7 @@ impl Dialler {
     }
 
     fn keep(self: Arc<Self>, changes: &Receiver<()>) {
-        let mut dial_at = Duration::ZERO;
+        let mut dial_at = SessionTime::BEGIN;
         while !self.stopper.is_stopped() {
             let now = self.clock.now();
             let is_silent = self.choose(now);
@@ -113,10 +114,10 @@ impl Dialler {
     }
 
     /// Keeps the newest live connection, or else the silent ones. Returns true if none is live.
-    fn choose(&self, now: Duration) -> bool {
+    fn choose(&self, now: SessionTime) -> bool {
         let mut connections = self.connections.lock();
         connections.retain(|connection| !connection.is_closed());
-        let is_lately = |at: Duration| now.saturating_sub(at) < self.silence;
+        let is_lately = |at: SessionTime| now.since(at) < self.silence;
         let living = connections.iter().rposition(|it| it.heard().is_some_and(is_lately));
         if let Some(living) = living {
             let living = connections.swap_remove(living);
@@ -136,7 +137,7 @@ impl Dialler {
         self.dials.fetch_sub(1, Ordering::AcqRel);
         match opened {
             Ok((socket, connection)) => {
-                let took = self.clock.now().saturating_sub(begun);
+                let took = self.clock.now().since(begun);
                 *self.dial_every.lock() = took.clamp(DIAL_EVERY.0, DIAL_EVERY.1);
                 self.told.lock().clear();
                 self.connections.lock().push(Arc::clone(&connection));
@@ -241,7 +242,7 @@ mod tests {
         let all: Vec<_> = (0..=SILENT_MAX).map(|_| connect()).collect();
         let choose = |some: &[Arc<Connection>]| {
             *dialler.connections.lock() = some.to_vec();
-            dialler.choose(Duration::ZERO);
+            dialler.choose(SessionTime::BEGIN);
             all.iter().map(|it| it.is_closed()).collect::<Vec<_>>()
         };
         assert_eq!(choose(&all[1..]), [false; SILENT_MAX + 1]);

@@ -1,18 +1,16 @@
 //! Requests of a station: checked against the rights of the pairing, and given to runners and server.
 
 use super::RobotRelay;
-use crate::meter::millis;
 use crate::pairing::Pairing;
 use crate::request_words;
 use crate::words::{StationRequest, at_robot, author_at_robot};
-use rafcon_link::{CommandState, ReceivedCommand, StreamId};
+use rafcon_link::{CommandState, ReceivedCommand, SessionTime, StreamId};
 use rafcon_protocol::api::{
     ControlMove, ResumeRequest, ResumeRun, Right, RobotAnswer, StartRequest,
 };
 use rafcon_protocol::{Envelope, Expiry};
 use rafcon_supervisor::clock;
 use std::sync::Arc;
-use std::time::Duration;
 
 impl RobotRelay<'_> {
     /// Carries out the commands whose time has come.
@@ -26,13 +24,13 @@ impl RobotRelay<'_> {
     /// Gives commands again to runs that had only just begun.
     pub(super) fn give_early(&mut self) {
         let now = self.clock.now();
-        for command in self.early.take(millis(now)) {
+        for command in self.early.take(now.as_millis()) {
             self.command(now, command);
         }
     }
 
     /// Carries out the request of a station's user, if the user has the right.
-    pub(super) fn command(&mut self, now: Duration, command: ReceivedCommand) {
+    pub(super) fn command(&mut self, now: SessionTime, command: ReceivedCommand) {
         let read = request_words::read(command.id, &command.body);
         let mut command = command;
         let late_fate = match &read {
@@ -56,7 +54,7 @@ impl RobotRelay<'_> {
                 Ok(late_fate.flatten().unwrap_or((CommandState::Started, String::new())))
             }
             Ok((stream, word)) => {
-                let left_ms = not_after_ms.saturating_sub(millis(now));
+                let left_ms = not_after_ms.saturating_sub(now.as_millis());
                 let expiry_ms = clock::since_1970_ms().saturating_add(left_ms);
                 let state = self.handle(stream, word, epoch, expiry_ms);
                 state.map(|state| (state, String::new()))

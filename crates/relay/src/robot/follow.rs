@@ -5,6 +5,7 @@ use super::scanner::FoundRun;
 use crate::inbox::Input;
 use crate::meter::millis;
 use crate::pairing::Pairing;
+use rafcon_link::SessionTime;
 use rafcon_protocol::api::RobotAnswer;
 use rafcon_protocol::{
     Envelope, FrameKind, Hello, Join, Snapshot, ToRunner, ToViewer, decode, encode, read_frame,
@@ -47,7 +48,7 @@ pub(super) enum FromRun {
 pub(super) struct Followed {
     out: UnixStream,
     /// Time of the last contact that the runner received, if any.
-    heard: Option<Duration>,
+    heard: Option<SessionTime>,
     is_told: bool,
 }
 
@@ -76,11 +77,11 @@ impl Followed {
     }
 
     /// Sends the time of the last contact at `now` if it has changed.
-    pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
+    pub(super) fn tell_ground(&mut self, now: SessionTime, heard: Option<SessionTime>) {
         if self.is_told && self.heard == heard {
             return;
         }
-        let heard_ms_ago = heard.map(|heard| millis(now.saturating_sub(heard)));
+        let heard_ms_ago = heard.map(|heard| millis(now.since(heard)));
         let line = encode(&ToRunner::Ground { heard_ms_ago });
         if line.is_ok_and(|line| self.out.write_all(&line).is_ok()) {
             (self.heard, self.is_told) = (heard, true);

@@ -34,7 +34,7 @@ use follow::FromRun;
 use numbers::RunNumbers;
 use offered_key::OfferedKey;
 use parcels::SentParcels;
-use rafcon_link::{Generation, Profile, RobotSession};
+use rafcon_link::{Generation, Profile, RobotSession, SessionTime};
 use rafcon_protocol::LinkReport;
 use rafcon_protocol::api::RobotAnswer;
 use rafcon_supervisor::clock;
@@ -83,7 +83,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
     let mut relay = RobotRelay::begin(settings, &inbox, stopper)?;
     let reporter = Reporter::open(&settings.folder)?;
     let (mut next_scan_at, mut next_step_at, mut next_save_at) =
-        (Duration::ZERO, Duration::ZERO, SAVE_EVERY);
+        (SessionTime::BEGIN, None, SessionTime::BEGIN + SAVE_EVERY);
     while !stopper.is_stopped() {
         let now = relay.clock.now();
         if now >= next_scan_at {
@@ -91,7 +91,7 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
             relay.scan(now);
             reporter.set(vec![relay.report(now)]);
             next_step_at = relay.next_step(now);
-        } else if now >= next_step_at {
+        } else if next_step_at.is_some_and(|at| now >= at) {
             relay.go_on(now);
             next_step_at = relay.next_step(now);
         }
@@ -103,9 +103,9 @@ pub fn relay_robot(settings: &RobotSettings, stopper: &Stopper) -> Result<(), Re
         relay.carry_out_due();
         relay.scan_watched(now);
         relay.send()?;
-        let next =
-            relay.session.poll_timeout(now).min(next_scan_at).min(next_step_at).min(next_save_at);
-        let mut time = next.saturating_sub(relay.clock.now());
+        let due = [relay.session.poll_timeout(now), next_step_at];
+        let next = next_scan_at.min(next_save_at).or_earlier(due);
+        let mut time = next.since(relay.clock.now());
         for _ in 0..INPUTS_AT_ONCE {
             match inbox.wait(time) {
                 Some(Input::Datagram(from, datagram)) => relay.receive(&from, datagram),
@@ -223,13 +223,13 @@ impl<'s> RobotRelay<'s> {
     }
 
     /// Exchanges with runners and station what changes slowly.
-    fn scan(&mut self, now: Duration) {
+    fn scan(&mut self, now: SessionTime) {
         self.runs.release(&mut self.session);
         self.go_on(now);
         self.give_early();
         self.session.set_calendar(now, clock::since_1970_ms());
         self.tell_control();
-        let heard = self.session.heard_before(now).map(|ago| now.saturating_sub(ago));
+        let heard = self.session.heard_before(now).map(|ago| now - ago);
         self.runs.tell_ground(now, heard);
         self.key.renew(&self.session, &self.disk);
     }
@@ -250,7 +250,7 @@ impl<'s> RobotRelay<'s> {
     }
 
     /// Continues with the runs that have ended.
-    fn go_on(&mut self, now: Duration) {
+    fn go_on(&mut self, now: SessionTime) {
         let is_heard = self.session.is_heard(now);
         self.runs.go_on(&mut self.session, is_heard);
         self.let_go();
@@ -269,10 +269,10 @@ impl<'s> RobotRelay<'s> {
         }
     }
 
-    /// Time of the next step with ended runs.
-    fn next_step(&self, now: Duration) -> Duration {
+    /// Time of the next step with ended runs; `None` without one.
+    fn next_step(&self, now: SessionTime) -> Option<SessionTime> {
         let is_busy = self.runs.is_busy(self.session.is_heard(now));
-        if is_busy { now + STEP_EVERY } else { Duration::MAX }
+        is_busy.then(|| now + STEP_EVERY)
     }
 
     /// Tells who holds control of the runs that continue.
@@ -283,7 +283,7 @@ impl<'s> RobotRelay<'s> {
     }
 
     /// State of the link.
-    fn report(&mut self, now: Duration) -> LinkReport {
+    fn report(&mut self, now: SessionTime) -> LinkReport {
         let Self { session, meter, runs, .. } = self;
         let (sent, received) = session.traffic();
         let health = meter.health(now, sent, received, session.heard_before(now));
@@ -310,13 +310,13 @@ impl<'s> RobotRelay<'s> {
     }
 
     /// Looks for new values that are watched and that the events do not bring in time.
-    fn scan_watched(&mut self, now: Duration) {
+    fn scan_watched(&mut self, now: SessionTime) {
         for stream in self.watches.due(now, &self.session) {
             self.runs.scan_watched(stream, &mut self.watches, &mut self.session);
         }
     }
 
-    fn keep_watches(&mut self, now: Duration) {
+    fn keep_watches(&mut self, now: SessionTime) {
         let (now_ms, heard_before) = (clock::since_1970_ms(), self.session.heard_before(now));
         if let Some(list) = self.watches.take_list(now_ms, heard_before, &mut self.session) {
             self.disk.keep_watched(list);

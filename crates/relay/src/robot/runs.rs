@@ -18,7 +18,7 @@ use crate::inbox::Input;
 use crate::requests::Answered;
 use crate::words::{ReportedRunState, RunFate};
 use ended::EndedRuns;
-use rafcon_link::{LENGTH_MAX, Rank, RobotSession, StreamId};
+use rafcon_link::{LENGTH_MAX, Rank, RobotSession, SessionTime, StreamId};
 use rafcon_protocol::api::Control;
 use rafcon_protocol::{Answer, Envelope, LinkRun, Snapshot};
 use rafcon_storage::journal::{
@@ -28,7 +28,6 @@ use run::RobotRun;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::SyncSender;
-use std::time::Duration;
 use streams::RunStreams;
 
 /// Limit of older runs that are sent at a time.
@@ -364,7 +363,7 @@ impl RobotRuns {
     }
 
     /// Sends the time of the last contact to the runners, because machines define their behaviour without it.
-    pub(super) fn tell_ground(&mut self, now: Duration, heard: Option<Duration>) {
+    pub(super) fn tell_ground(&mut self, now: SessionTime, heard: Option<SessionTime>) {
         for runner in self.all.values_mut().filter_map(|run| run.runner.as_mut()) {
             runner.tell_ground(now, heard);
         }

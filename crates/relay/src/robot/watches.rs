@@ -1,7 +1,7 @@
 //! What stations watch of the runs of a robot, and the newest values of that, read from the journals: the runs do not know of it.
 
 use crate::watch_words::{self, RUNS_MAX};
-use rafcon_link::{NewestValue, RobotSession, StreamId, WatchSubscription};
+use rafcon_link::{NewestValue, RobotSession, SessionTime, StreamId, WatchSubscription};
 use rafcon_protocol::{LongValue, WatchKind, WatchTarget, WatchedValue};
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{JournalError, Kept, Moment, Reader, Stored};
@@ -31,7 +31,7 @@ struct WatchedRun {
     moment: Option<Moment>,
     /// Last value found for each port.
     found: BTreeMap<ValuePlace, Found>,
-    next_scan_at: Duration,
+    next_scan_at: SessionTime,
 }
 
 type ValuePlace = (WatchKind, String, String);
@@ -133,7 +133,7 @@ impl RobotWatches {
     }
 
     /// Runs in which values are due for a search.
-    pub(super) fn due(&mut self, now: Duration, session: &RobotSession) -> Vec<StreamId> {
+    pub(super) fn due(&mut self, now: SessionTime, session: &RobotSession) -> Vec<StreamId> {
         let is_due = |(stream, run): &(&StreamId, &mut WatchedRun)| {
             run.next_scan_at <= now && session.needs_watched(now, **stream)
         };

@@ -1,14 +1,13 @@
 //! Requests to a robot to watch values of its runs: of as many runs at a time as it can. Knows nothing of viewers or values.
 
 use crate::watch_words::RUNS_MAX;
-use rafcon_link::StreamId;
+use rafcon_link::{SessionTime, StreamId};
 use rafcon_protocol::Watching;
 use std::collections::BTreeMap;
-use std::time::Duration;
 
 /// A request for values of a run.
 pub(super) struct Asked {
-    pub(super) at: Duration,
+    pub(super) at: SessionTime,
     /// Anything is watched.
     pub(super) is_any: bool,
     pub(super) watching: Watching,
@@ -31,7 +30,7 @@ mod tests {
         let is_confirmed = ["watched", "forgotten"].contains(&state);
         let is_any = ["asked", "watched"].contains(&state);
         let watching = Watching { is_confirmed, ..Watching::default() };
-        Asked { at: Duration::ZERO, is_any, watching }
+        Asked { at: SessionTime::BEGIN, is_any, watching }
     }
 
     #[test]

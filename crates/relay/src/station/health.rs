@@ -2,17 +2,16 @@
 
 use crate::contacts::KnownContacts;
 use crate::meter::{LinkMeter, millis};
-use rafcon_link::{StationSession, StreamId};
+use rafcon_link::{SessionTime, StationSession, StreamId};
 use rafcon_protocol::{ClockOffset, LinkHealth, LinkRun};
 use rafcon_supervisor::clock;
-use std::time::Duration;
 
 /// State of the link, without the counts of events and commands.
 pub(super) fn health(
     meter: &mut LinkMeter,
     session: &StationSession,
     contacts: &KnownContacts,
-    now: Duration,
+    now: SessionTime,
 ) -> LinkHealth {
     let today = clock::since_1970_ms();
     let (sent, received) = session.traffic();

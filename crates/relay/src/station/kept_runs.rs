@@ -12,7 +12,7 @@ use crate::inbox::Input;
 use crate::machine_lists::MachineLists;
 use crate::pairing::Paired;
 use crate::start::Start;
-use rafcon_link::{Horizon, KeyId, StreamId};
+use rafcon_link::{Horizon, KeyId, SessionTime, StreamId};
 use rafcon_storage::journal::folder::DIVERGED_FILE;
 use rafcon_storage::journal::{
     About, EventBlock, Full, JournalError, ReplicaError, RunState, Summary, run_folders,
@@ -67,7 +67,7 @@ pub(super) struct KeptRuns {
     /// The ids of those that are not whole, and of which nothing is under way.
     left: BTreeMap<StreamId, String>,
     refused: VecDeque<StreamId>,
-    sync_at: Duration,
+    sync_at: SessionTime,
     problem: Option<String>,
     /// Bytes of dropped work.
     dropped: usize,
@@ -132,7 +132,7 @@ impl From<ReplicaError> for KeepError {
 
 impl KeptRuns {
     pub(super) fn new(place: Place, start: Start, parcels: StationParcels) -> Self {
-        let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), Duration::ZERO);
+        let (all, left, sync_at) = (BTreeMap::new(), BTreeMap::new(), SessionTime::BEGIN);
         let refused = VecDeque::new();
         let completed = CompletedRuns::read(start.folder());
         place.machines.set(&place.robot, parcels.machine_list());
@@ -281,7 +281,7 @@ impl KeptRuns {
         self.settle();
         if is_due {
             let end = self.place.clock.now();
-            let rest = (end.saturating_sub(begun) * REST).clamp(REST_MIN, REST_MAX);
+            let rest = (end.since(begun) * REST).clamp(REST_MIN, REST_MAX);
             self.sync_at = end + if problem.is_some() { REST_MAX } else { rest };
             self.tell(problem);
         }
@@ -332,7 +332,7 @@ impl KeptRuns {
 
     /// Time until the next sync.
     pub(super) fn rest(&self) -> Duration {
-        self.sync_at.saturating_sub(self.place.clock.now())
+        self.sync_at.since(self.place.clock.now())
     }
 
     /// True if syncs or retries are pending.

@@ -39,7 +39,7 @@ use crate::value_fetch_broker::ValueFetchBroker;
 use command_disk::FromCommandDisk;
 use disk::FromDisk;
 use paired_robots::PairedRobots;
-use rafcon_link::{Profile, StreamId};
+use rafcon_link::{Profile, SessionTime, StreamId};
 use robot::StationRobot;
 use robots::Robots;
 use std::fmt;
@@ -170,8 +170,8 @@ pub fn relay_station(
     let mut robots = Robots::new(paired.begin_all()?);
     paired.watch(stopper).map_err(|source| RelayError::Thread { source })?;
     let reporter = Reporter::open(&settings.folder)?;
-    let (mut next_scan_at, mut next_save_at, mut next_report_at) =
-        (SCAN_EVERY, SAVE_EVERY, REPORT_EVERY);
+    let [mut next_scan_at, mut next_save_at, mut next_report_at] =
+        [SCAN_EVERY, SAVE_EVERY, REPORT_EVERY].map(SessionTime::after);
     while !stopper.is_stopped() {
         let now = clock.now();
         if now >= next_scan_at {
@@ -188,9 +188,9 @@ pub fn relay_station(
         }
         let mut next = next_scan_at.min(next_save_at).min(next_report_at);
         for robot in robots.iter_mut() {
-            next = next.min(robot.send()?);
+            next = next.or_earlier([robot.send()?]);
         }
-        match inbox.wait(next.saturating_sub(clock.now())) {
+        match inbox.wait(next.since(clock.now())) {
             Some(Input::Datagram(from, datagram)) => robots.receive(&from, &datagram),
             Some(Input::Other(message)) => robots.handle(message),
             None => {}

@@ -35,13 +35,12 @@ use commands::{CommandContext, StationCommands};
 use keys::PairingKeys;
 use link::RobotLink;
 use name::RobotName;
-use rafcon_link::{StationSession, StreamId};
+use rafcon_link::{SessionTime, StationSession, StreamId};
 use rafcon_protocol::{LinkHealth, LinkReport};
 use runs::StationRuns;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
-use std::time::Duration;
 use storage::CommandStorage;
 use watches::RunWatches;
 
@@ -161,7 +160,7 @@ impl StationRobot {
     }
 
     /// Sends due datagrams. Returns the time of the next one.
-    pub(super) fn send(&mut self) -> Result<Duration, RelayError> {
+    pub(super) fn send(&mut self) -> Result<Option<SessionTime>, RelayError> {
         self.link.send(&mut self.session)?;
         Ok(self.session.poll_timeout(self.clock.now()))
     }

@@ -4,7 +4,7 @@ use super::value_disk::{FromValueDisk, OpenedValue, Rest, ValueDisk};
 use super::{StationSettings, ToStation};
 use crate::inbox::Input;
 use crate::value_fetch_broker::{LinkRate, Request, ValueFetchBroker, ValueKey};
-use rafcon_link::{NoValue, StationSession, ValueId, ValueName};
+use rafcon_link::{NoValue, SessionTime, StationSession, ValueId, ValueName};
 use rafcon_protocol::api::ValueFetch;
 use std::collections::BTreeMap;
 use std::fs;
@@ -31,7 +31,7 @@ pub(super) struct StationValues {
     coming: BTreeMap<ValueId, Coming>,
     /// Received bytes, those before the last measurement, and its time.
     came: u64,
-    measured: (u64, Duration),
+    measured: (u64, SessionTime),
     per_s: u64,
 }
 
@@ -78,7 +78,7 @@ impl StationValues {
         let text = fs::read_to_string(&wanted).unwrap_or_default();
         let disk = ValueDisk::begin(settings.runs.clone(), wanted, number, inbox)?;
         let (opening, coming) = (BTreeMap::new(), BTreeMap::new());
-        let (came, measured, per_s) = (0, (0, Duration::ZERO), 0);
+        let (came, measured, per_s) = (0, (0, SessionTime::BEGIN), 0);
         let robot = name.to_owned();
         let mut values = Self { robot, fetches, disk, opening, coming, came, measured, per_s };
         for line in text.lines() {
@@ -234,8 +234,8 @@ impl StationValues {
     }
 
     /// Receive rate of large values in bytes per second.
-    pub(super) fn bytes_per_s(&mut self, now: Duration) -> u64 {
-        let time = now.saturating_sub(self.measured.1);
+    pub(super) fn bytes_per_s(&mut self, now: SessionTime) -> u64 {
+        let time = now.since(self.measured.1);
         if time >= RATE_OVER {
             let per_s = u128::from(self.came - self.measured.0) * 1_000 / time.as_millis().max(1);
             (self.per_s, self.measured) =

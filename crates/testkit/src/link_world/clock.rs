@@ -1,5 +1,6 @@
 //! The clock of a process in the simulated world.
 
+use rafcon_link::SessionTime;
 use std::time::Duration;
 
 const MILLION: u128 = 1_000_000;
@@ -19,16 +20,16 @@ impl LocalClock {
         Self { started, per_million }
     }
 
-    pub(super) fn local(self, now: Duration) -> Duration {
+    pub(super) fn local(self, now: Duration) -> SessionTime {
         let passed = now.saturating_sub(self.started).as_nanos();
-        nanos(passed * self.per_million / MILLION)
+        SessionTime::after(nanos(passed * self.per_million / MILLION))
     }
 
-    /// The first time of the world at which the clock shows this time; `None` if it never does.
-    pub(super) fn real(self, local: Duration) -> Option<Duration> {
-        let is_never = local >= Duration::from_secs(1 << 30);
+    /// The first time of the world at which the clock shows this time.
+    pub(super) fn real(self, local: SessionTime) -> Duration {
+        let local = local.since(SessionTime::BEGIN);
         let passed = (local.as_nanos() * MILLION).div_ceil(self.per_million);
-        (!is_never).then(|| self.started + nanos(passed))
+        self.started + nanos(passed)
     }
 }
 

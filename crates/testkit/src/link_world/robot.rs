@@ -191,7 +191,7 @@ impl Robot {
     pub(super) fn next(&self, now: Duration, station: usize) -> Option<Duration> {
         let server = self.server.as_ref()?;
         let next = server.sessions[station].poll_timeout(server.clock.local(now));
-        server.clock.real(next)
+        next.map(|at| server.clock.real(at))
     }
 
     /// Receives a datagram of a station; returns the commands executed because of it.

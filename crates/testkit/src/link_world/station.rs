@@ -82,7 +82,8 @@ impl Station {
 
     pub(super) fn next(&self, now: Duration) -> Option<Duration> {
         let server = self.server.as_ref()?;
-        let next = server.clock.real(server.session.poll_timeout(server.clock.local(now)));
+        let next = server.session.poll_timeout(server.clock.local(now));
+        let next = next.map(|at| server.clock.real(at));
         let may_sync = !server.unsynced.is_empty() && !self.disk.is_full;
         let sync = may_sync.then(|| server.synced + SYNC_EVERY);
         next.into_iter().chain(sync).min()

@@ -2,7 +2,7 @@
 
 use super::mission::MissionState;
 use super::robot::STREAM;
-use rafcon_link::{NewestValue, RobotSession};
+use rafcon_link::{NewestValue, RobotSession, SessionTime};
 use rafcon_protocol::{WatchKind, WatchTarget};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -74,7 +74,12 @@ impl Watched {
     }
 
     /// Sends the newest inputs of the watched states, if their events do not arrive in time.
-    pub(super) fn tell(&mut self, now: Duration, state: &MissionState, session: &mut RobotSession) {
+    pub(super) fn tell(
+        &mut self,
+        now: SessionTime,
+        state: &MissionState,
+        session: &mut RobotSession,
+    ) {
         if self.states.is_empty() || !session.needs_watched(now, STREAM) {
             return;
         }

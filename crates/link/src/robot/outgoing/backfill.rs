@@ -8,6 +8,7 @@ use crate::profile::Profile;
 use crate::range_set::RangeSet;
 use crate::robot::large::LargeEvent;
 use crate::robot::source::RunSource;
+use crate::session_time::SessionTime;
 use crate::station::LARGE_MAX;
 use rafcon_events::EventBlock;
 use std::ops::RangeInclusive;
@@ -42,23 +43,26 @@ enum Written {
 
 impl SentEvents {
     /// Earliest time of the repetition. It is in another datagram than the events, which a burst of losses may drop.
-    fn repeat_at(&self, profile: &Profile) -> Duration {
+    fn repeat_at(&self, profile: &Profile) -> SessionTime {
         self.at + profile.repeat_after / REPEAT_PART
     }
 }
 
 impl Outgoing {
     /// When something of the lower queues is due.
-    pub(in crate::robot) fn bulk_at(&self, is_heard: bool, profile: &Profile) -> Duration {
+    pub(in crate::robot) fn bulk_at(
+        &self,
+        is_heard: bool,
+        profile: &Profile,
+    ) -> Option<SessionTime> {
         let is_lacking = self.sending_in_parts().is_some() || self.gap().is_some();
-        let lacking = if is_lacking { Duration::ZERO } else { Duration::MAX };
-        let repeated = if is_heard { self.repeated_at(profile) } else { Duration::MAX };
-        let events = lacking.min(repeated).max(self.read_again_at);
-        let round = if self.has_rounds(is_heard) { self.round_due } else { Duration::MAX };
-        let snapshot = self.snapshots.alone_at(is_heard, profile);
-        let snapshot = if self.has_all() { Duration::MAX } else { snapshot };
-        let bulk = round.max(self.read_again_at).min(events).max(self.waits_until(profile));
-        bulk.min(snapshot)
+        let lacking = is_lacking.then_some(SessionTime::BEGIN);
+        let repeated = self.repeated_at(profile).filter(|_| is_heard);
+        let round = self.has_rounds(is_heard).then_some(self.round_due);
+        let not_before = self.read_again_at.max(self.waits_until(profile));
+        let events = SessionTime::earliest([lacking, repeated, round]);
+        let snapshot = (!self.has_all()).then(|| self.snapshots.alone_at(is_heard, profile));
+        SessionTime::earliest([events.map(|at| at.max(not_before)), snapshot])
     }
 
     /// Fills the rest of the datagram with events that the station lacks.
@@ -233,14 +237,14 @@ impl Outgoing {
     }
 
     /// When events are repeated without a report.
-    fn repeated_at(&self, profile: &Profile) -> Duration {
+    fn repeated_at(&self, profile: &Profile) -> Option<SessionTime> {
         let repeated = self.sent.iter().filter(|sent| sent.repeats > 0);
-        repeated.map(|sent| sent.repeat_at(profile)).min().unwrap_or(Duration::MAX)
+        repeated.map(|sent| sent.repeat_at(profile)).min()
     }
 
     /// Next events to repeat without a report: the least repeated, and the newest of these, because the oldest are reported
     /// first.
-    fn repeated(&self, now: Duration, profile: &Profile) -> Option<(RangeInclusive<u64>, u8)> {
+    fn repeated(&self, now: SessionTime, profile: &Profile) -> Option<(RangeInclusive<u64>, u8)> {
         let is_due = |sent: &SentEvents| sent.repeats > 0 && sent.repeat_at(profile) <= now;
         let sent = self.sent.iter().enumerate().filter(|(_, sent)| is_due(sent));
         let (_, sent) = sent.max_by_key(|(place, sent)| (sent.repeats, *place))?;

@@ -6,11 +6,10 @@ use super::super::scanner::FoundMachines;
 use crate::about::{PARCEL_MAX, machine_parts, named_parts};
 use crate::ids;
 use crate::words::{ReportedRunState, RunFate};
-use rafcon_link::{Rank, RobotSession, StreamId};
+use rafcon_link::{Rank, RobotSession, SessionTime, StreamId};
 use rafcon_protocol::Snapshot;
 use rafcon_storage::journal::{Chain, EventSource, Hash, JournalError};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// Reported of a machine that no station takes.
 const TOO_LARGE: &str = "a machine of a run has more than 64 MiB of files, and is not sent to the station: its events are";
@@ -37,7 +36,7 @@ pub(super) struct RobotRun {
     pub(super) head: u64,
     pub(super) runner: Option<Followed>,
     /// Last snapshot of its runner, with the time.
-    pub(super) snapshot: Option<(Box<Snapshot>, Duration)>,
+    pub(super) snapshot: Option<(Box<Snapshot>, SessionTime)>,
     pub(super) fate: RunFate,
     /// It was over before the robot had this station.
     pub(super) is_older: bool,

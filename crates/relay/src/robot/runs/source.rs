@@ -36,8 +36,7 @@ impl RunSource for RobotRuns {
         let run = self.run(stream).filter(|_| !ids::is_about(stream))?;
         let (snapshot, told) = run.snapshot.as_ref()?;
         // The runner sends changes only, so that the elapsed time is added.
-        let since_ms =
-            if run.fate == RunFate::Live { millis(now.saturating_sub(*told)) } else { 0 };
+        let since_ms = if run.fate == RunFate::Live { millis(now.since(*told)) } else { 0 };
         Some((snapshot.sequence, sent_snapshot::write(snapshot, since_ms)?))
     }
 

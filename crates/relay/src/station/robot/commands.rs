@@ -15,7 +15,7 @@ use crate::station::pending_requests::{PendingRequests, SendTimes, overdue};
 use crate::station::stored_command::{AboutCommand, StoredCommand};
 use crate::station::viewers::PendingRequest;
 use crate::words::StationRequest;
-use rafcon_link::{CommandId, CommandState, NewCommand, StationSession, StreamId};
+use rafcon_link::{CommandId, CommandState, NewCommand, SessionTime, StationSession, StreamId};
 use rafcon_protocol::api::{RobotAnswer, RobotRequest};
 use rafcon_protocol::{CommandStage, ContactPlan, OpenCommand};
 use rafcon_supervisor::clock;
@@ -27,7 +27,7 @@ pub(super) struct CommandContext<'r> {
     pub(super) session: &'r mut StationSession,
     pub(super) runs: &'r StationRuns,
     /// Present time of the session.
-    pub(super) now: Duration,
+    pub(super) now: SessionTime,
     /// Planned contacts.
     pub(super) plan: Arc<ContactPlan>,
     pub(super) rights: PairingRights,
@@ -67,7 +67,7 @@ impl StationCommands {
                     continue;
                 }
             };
-            if session.command_at(Duration::ZERO, command.restored()).is_err() {
+            if session.command_at(SessionTime::BEGIN, command.restored()).is_err() {
                 continue;
             }
             let AboutCommand { id: name, sent_ms, expires_ms, not_before_ms, .. } = command.about;
@@ -261,7 +261,11 @@ impl CommandContext<'_> {
 }
 
 /// Default lifetime of a request of `length` bytes.
-pub(crate) fn default_lifetime(session: &StationSession, now: Duration, length: usize) -> Duration {
+pub(crate) fn default_lifetime(
+    session: &StationSession,
+    now: SessionTime,
+    length: usize,
+) -> Duration {
     // Twice: parts are lost and sent again.
     session.command_lifetime(now) + session.transfer_time(length) * 2
 }

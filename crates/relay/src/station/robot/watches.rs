@@ -3,7 +3,7 @@
 use super::runs::StationRuns;
 use crate::station::asked::{Asked, is_room};
 use crate::watch_words;
-use rafcon_link::{StationSession, StreamId};
+use rafcon_link::{SessionTime, StationSession, StreamId};
 use rafcon_protocol::{WatchTarget, Watching};
 use rafcon_supervisor::clock;
 use std::collections::BTreeMap;
@@ -28,7 +28,12 @@ impl RunWatches {
     }
 
     /// Asks the robot for the values that viewers watch, and reports to them whether it knows their lists.
-    pub(super) fn sync(&mut self, session: &mut StationSession, runs: &StationRuns, now: Duration) {
+    pub(super) fn sync(
+        &mut self,
+        session: &mut StationSession,
+        runs: &StationRuns,
+        now: SessionTime,
+    ) {
         self.ask(session, runs, now);
         for (stream, Asked { watching, .. }) in &mut self.asked {
             watching.is_confirmed = session.is_watch_confirmed(*stream).unwrap_or(false);
@@ -40,7 +45,12 @@ impl RunWatches {
     }
 
     /// Asks the robot for what viewers watch now; not again at once, however often they change it.
-    pub(super) fn ask(&mut self, session: &mut StationSession, runs: &StationRuns, now: Duration) {
+    pub(super) fn ask(
+        &mut self,
+        session: &mut StationSession,
+        runs: &StationRuns,
+        now: SessionTime,
+    ) {
         let is_due = |asked: Option<&Asked>| asked.is_none_or(|it| it.at + ASK_EVERY <= now);
         let open = runs.iter().filter(|(stream, _)| is_due(self.asked.get(stream)));
         let open: Vec<_> = open.map(|(stream, run)| (*stream, Arc::clone(&run.shared))).collect();
@@ -66,7 +76,7 @@ impl RunWatches {
     fn send_list(
         &mut self,
         session: &mut StationSession,
-        now: Duration,
+        now: SessionTime,
         stream: StreamId,
         mut targets: Vec<WatchTarget>,
     ) {
@@ -84,7 +94,12 @@ impl RunWatches {
     }
 
     /// Drops the watches of closed runs once the robot knows that.
-    fn forget_closed(&mut self, session: &mut StationSession, runs: &StationRuns, now: Duration) {
+    fn forget_closed(
+        &mut self,
+        session: &mut StationSession,
+        runs: &StationRuns,
+        now: SessionTime,
+    ) {
         self.asked.retain(|stream, asked| {
             let is_withdrawn = asked.watching.is_confirmed || asked.at + WITHDRAW_FOR <= now;
             let is_over = runs.get(*stream).is_none() && !asked.is_any && is_withdrawn;
@@ -129,7 +144,7 @@ mod tests {
             let open = OpenRun { id: String::new(), safe: 0, shared: Arc::new(shared) };
             runs.insert(stream(number), StationRun::new(open));
         }
-        let (mut watches, now) = (RunWatches::new(), Duration::ZERO);
+        let (mut watches, now) = (RunWatches::new(), SessionTime::BEGIN);
         watches.ask(&mut session, &runs, now);
         let first = asked(&watches);
         assert_eq!(first.len(), watch_words::RUNS_MAX);

@@ -13,6 +13,7 @@ use std::fs;
 use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::thread;
+use std::time::Duration;
 
 /// A robot without runs.
 struct NoRuns;
