@@ -54,7 +54,7 @@ pub fn of_scripts(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Finding> {
 pub fn of_script(machine: &Machine, path: &rafcon_model::StatePath, facts: &Facts) -> Vec<Finding> {
     machine
         .state(path)
-        .map_or_else(Vec::new, |state| scripts::of_state(machine, (path, state), facts))
+        .map_or_else(Vec::new, |state| scripts::of_state(machine, path, state, facts))
 }
 
 /// Faults of files as they were read.

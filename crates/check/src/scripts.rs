@@ -56,7 +56,7 @@ pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Findin
     let mut unread = 0;
     for used in uses(machine).into_iter().filter(|used| used.state.damage.is_none()) {
         match facts.get(used.text) {
-            Some(facts) => found.extend(of_state(machine, (&used.path, used.state), facts)),
+            Some(facts) => found.extend(of_state(machine, &used.path, used.state, facts)),
             None => unread += 1,
         }
     }
@@ -80,7 +80,8 @@ pub(crate) fn findings(machine: &Machine, facts: &ScriptFacts<'_>) -> Vec<Findin
 /// Faults of a text as the script of this state.
 pub(crate) fn of_state(
     machine: &Machine,
-    (path, state): (&StatePath, &State),
+    path: &StatePath,
+    state: &State,
     facts: &Facts,
 ) -> Vec<Finding> {
     let judge = Judge { machine, path, state };
@@ -110,6 +111,16 @@ pub(crate) fn of_state(
     found.extend(facts.inputs.iter().filter_map(|(line, name)| judge.input(*line, name)));
     found.extend(facts.outputs.iter().filter_map(|(line, name)| judge.output(*line, name)));
     found
+}
+
+/// The inputs or the outputs of a state.
+struct PortGroup<'s> {
+    /// Name of such a port in messages.
+    kind: &'static str,
+    /// Kind of the ports in edits.
+    list: PortList,
+    /// The ports that the state has.
+    ports: &'s Ports,
 }
 
 /// A state whose script is checked.
@@ -189,9 +200,9 @@ impl Judge<'_> {
         let what = format!(
             "`execute` reads the input {name:?}, but the state has no such input and aborts"
         );
-        let finding = self.port_finding((line, name), what, ("input", &self.state.inputs));
-        let added = self.add_port(name, PortList::Input, "input");
-        Some(Finding { repairs: added.into_iter().collect(), ..finding })
+        let ports = &self.state.inputs;
+        let inputs = PortGroup { kind: "input", list: PortList::Input, ports };
+        Some(self.port_finding(line, name, what, &inputs))
     }
 
     fn output(&self, line: u64, name: &str) -> Option<Finding> {
@@ -201,27 +212,25 @@ impl Judge<'_> {
         let what = format!(
             "`execute` writes the output {name:?}, but the state has no such output, and the value is lost"
         );
-        let finding = self.port_finding((line, name), what, ("output", &self.state.outputs));
-        let added = self.add_port(name, PortList::Output, "output");
-        Some(Finding { repairs: added.into_iter().collect(), ..finding })
+        let ports = &self.state.outputs;
+        let outputs = PortGroup { kind: "output", list: PortList::Output, ports };
+        Some(self.port_finding(line, name, what, &outputs))
     }
 
-    fn port_finding(
-        &self,
-        (line, name): (u64, &str),
-        what: String,
-        (kind, ports): (&str, &Ports),
-    ) -> Finding {
-        let known: Vec<_> = ports.iter().map(|port| format!("{:?}", port.name)).collect();
+    fn port_finding(&self, line: u64, name: &str, what: String, group: &PortGroup<'_>) -> Finding {
+        let kind = group.kind;
+        let known: Vec<_> = group.ports.iter().map(|port| format!("{:?}", port.name)).collect();
         let remedy = if known.is_empty() {
             format!("add the {kind} {name:?}")
         } else {
             format!("use one of {}, or add the {kind}", known.join(", "))
         };
-        self.error("ScriptPort", Some(line), what, remedy)
+        let finding = self.error("ScriptPort", Some(line), what, remedy);
+        Finding { repairs: self.add_port(name, group).into_iter().collect(), ..finding }
     }
 
-    fn add_port(&self, name: &str, list: PortList, kind: &str) -> Option<Repair> {
+    fn add_port(&self, name: &str, group: &PortGroup<'_>) -> Option<Repair> {
+        let PortGroup { kind, list, .. } = *group;
         let edit = Edit::AddPort {
             path: self.path.to_string(),
             list,
