@@ -14,7 +14,7 @@ impl Form {
                 _ => Err("the answer needs a \"text\", which is a string".to_owned()),
             },
             Self::Number { minimum, maximum, whole, .. } => {
-                number(answer, (*minimum, *maximum), *whole)
+                number(answer, *minimum, *maximum, *whole)
             }
             Self::Checks { boxes, .. } => checked(answer, boxes.len()),
         }
@@ -63,7 +63,8 @@ fn button(answer: &Value, buttons: &[String]) -> Result<(), String> {
 
 fn number(
     answer: &Value,
-    (minimum, maximum): (Option<f64>, Option<f64>),
+    minimum: Option<f64>,
+    maximum: Option<f64>,
     whole: bool,
 ) -> Result<(), String> {
     let number = answer.get("number").and_then(Value::as_f64).filter(|number| number.is_finite());

@@ -99,14 +99,17 @@ fn transition(path: String, transition: i64, edit: &TransitionEdit) -> Edit {
 
 fn data_flow(path: String, data_flow: i64, edit: &DataFlowEdit) -> Edit {
     match edit {
-        DataFlowEdit::Add { from, to } => {
-            Edit::AddDataFlow { path, data_flow, from: PortOf::of(from), to: PortOf::of(to) }
-        }
+        DataFlowEdit::Add { from, to } => Edit::AddDataFlow {
+            path,
+            data_flow,
+            from: PortOf::of(&from.0, from.1),
+            to: PortOf::of(&to.0, to.1),
+        },
         DataFlowEdit::SetSource(from) => {
-            Edit::SetDataFlowSource { path, data_flow, from: PortOf::of(from) }
+            Edit::SetDataFlowSource { path, data_flow, from: PortOf::of(&from.0, from.1) }
         }
         DataFlowEdit::SetTarget(to) => {
-            Edit::SetDataFlowTarget { path, data_flow, to: PortOf::of(to) }
+            Edit::SetDataFlowTarget { path, data_flow, to: PortOf::of(&to.0, to.1) }
         }
         DataFlowEdit::Remove => Edit::RemoveDataFlow { path, data_flow },
     }
@@ -201,7 +204,7 @@ impl Goal {
 }
 
 impl PortOf {
-    fn of((state, port): &(StateId, PortId)) -> Self {
+    fn of(state: &StateId, port: PortId) -> Self {
         Self { state: state.to_string(), port: port.0 }
     }
 }
