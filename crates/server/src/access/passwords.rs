@@ -48,15 +48,11 @@ impl HashMemory {
             None => (none(), &[0; 16][..], None),
         };
         let length = expected.map_or(Params::DEFAULT_OUTPUT_LEN, Output::len);
-        let output = self.output(password, (params, salt, length));
+        let output = self.output(password, params, salt, length);
         output.is_some_and(|output| expected == Some(&output))
     }
 
-    fn output(
-        &self,
-        password: &str,
-        (params, salt, length): (Params, &[u8], usize),
-    ) -> Option<Output> {
+    fn output(&self, password: &str, params: Params, salt: &[u8], length: usize) -> Option<Output> {
         let mut memory = self.spare.lock().pop().unwrap_or_default();
         memory.resize(params.block_count(), Block::default());
         let mut output = [0; Output::MAX_LENGTH];

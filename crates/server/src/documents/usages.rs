@@ -4,7 +4,7 @@ use super::documents::Documents;
 use crate::ServerState;
 use crate::projects::Search;
 use rafcon_model::{Kind, Machine, State, StatePath};
-use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, UsagesOf};
+use rafcon_protocol::api::{LibraryName, LibraryUsage, LibraryUsages, MachineFile, UsagesOf};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -27,7 +27,7 @@ impl Documents {
             let (file, library) = (server.projects.file_of(&folder), name(&folder));
             for states in used(&machine, of) {
                 let id = Some(session.id().to_owned());
-                usages.push(usage(states, (id, file.clone(), library.clone())));
+                usages.push(usage(states, id, file.clone(), library.clone()));
             }
             hidden.insert(folder);
         }
@@ -36,7 +36,7 @@ impl Documents {
         server.projects.folders().iter().for_each(|folder| search.look(folder));
         let is_cut = search.is_full();
         usages.extend(search.found.into_iter().map(|used| {
-            usage(used.states, (None, server.projects.file_of(&used.machine), name(&used.machine)))
+            usage(used.states, None, server.projects.file_of(&used.machine), name(&used.machine))
         }));
         usages.truncate(USAGES_MAX);
         LibraryUsages { usages, is_cut }
@@ -45,11 +45,9 @@ impl Documents {
 
 fn usage(
     states: Vec<(String, String)>,
-    (machine, file, library): (
-        Option<String>,
-        Option<rafcon_protocol::api::MachineFile>,
-        Option<LibraryName>,
-    ),
+    machine: Option<String>,
+    file: Option<MachineFile>,
+    library: Option<LibraryName>,
 ) -> LibraryUsage {
     let (ids, names): (Vec<_>, Vec<_>) = states.into_iter().unzip();
     LibraryUsage { machine, file, library, path: ids.join("/"), names }

@@ -73,9 +73,9 @@ impl Connections {
         stream.set_nodelay(true).unwrap_or_default();
         // Unread data occupies the kernel's memory, and the clients are many.
         set_socket_send_buffer_size(&stream, SEND_BUFFER).unwrap_or_default();
-        let io = Paced::new(stream, self.service.write_limit, (Arc::clone(&place), lost));
+        let io = Paced::new(stream, self.service.write_limit, Arc::clone(&place), lost);
         let service = self.service.clone();
-        tokio::spawn(async move { service.welcome(io, (peer, place), router).await });
+        tokio::spawn(async move { service.welcome(io, peer, place, router).await });
     }
 
     /// Waits, for a limited time, until connections that lost their slot are closed and a file is free.
@@ -111,19 +111,21 @@ impl RequestService {
     async fn welcome(
         self,
         io: Paced<TcpStream>,
-        from: (Peer, Arc<ConnectionSlot>),
+        peer: Peer,
+        place: Arc<ConnectionSlot>,
         router: Router,
     ) {
-        let Some(tls) = &self.tls else { return self.answer(io, from, router).await };
+        let Some(tls) = &self.tls else { return self.answer(io, peer, place, router).await };
         if let Ok(Ok(io)) = timeout(self.patience, tls.accept(io)).await {
-            self.answer(io, from, router).await;
+            self.answer(io, peer, place, router).await;
         }
     }
 
     async fn answer(
         &self,
         io: impl Stream,
-        (peer, place): (Peer, Arc<ConnectionSlot>),
+        peer: Peer,
+        place: Arc<ConnectionSlot>,
         router: Router,
     ) {
         let router = AddExtension::new(AddExtension::new(router, peer), place);

@@ -28,7 +28,7 @@ pub(super) struct Paced<T> {
 }
 
 impl<T> Paced<T> {
-    pub(super) fn new(io: T, limit: Duration, (place, lost): (Arc<ConnectionSlot>, Lost)) -> Self {
+    pub(super) fn new(io: T, limit: Duration, place: Arc<ConnectionSlot>, lost: Lost) -> Self {
         Self { io, limit, deadline: None, written: 0, lost, _place: place }
     }
 
@@ -136,7 +136,8 @@ mod tests {
         let places = ConnectionSlots::new(Capacity { all: 1, anonymous: 1 });
         let peer = Peer { ip: IpAddr::V4(Ipv4Addr::LOCALHOST), is_near: true };
         let (near, far) = duplex(4096);
-        let mut paced = Paced::new(near, LIMIT, places.take(peer).unwrap());
+        let (place, lost) = places.take(peer).unwrap();
+        let mut paced = Paced::new(near, LIMIT, place, lost);
         tokio::spawn(read(far, bytes));
         let begun = Instant::now();
         let done = paced.write_all(&vec![0; 1 << 20]).await;

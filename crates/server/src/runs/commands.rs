@@ -184,7 +184,7 @@ fn with_control(
             "control",
             &format!("of {} to {holder}, epoch {epoch}", run.id()),
         );
-        note(run, user, (after.holder(), epoch));
+        note(run, user, after.holder(), epoch);
     }
     Ok(())
 }
@@ -196,7 +196,7 @@ fn keep_holder(run: &Arc<Run>) {
 }
 
 /// Sends a note of the new control to the runner of a live run, for its journal.
-fn note(run: &Run, user: &str, (holder, epoch): (Option<&str>, u64)) {
+fn note(run: &Run, user: &str, holder: Option<&str>, epoch: u64) {
     if !run.is_live() {
         return;
     }
