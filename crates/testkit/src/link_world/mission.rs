@@ -1,5 +1,6 @@
 //! The events of a mission, encoded as in a journal: 800 states, eight deep, three branches, ten events a second.
 
+use super::plan::Window;
 use crate::random::Random;
 use rafcon_storage::journal::record::Content;
 use rafcon_storage::journal::{
@@ -31,7 +32,7 @@ struct MissionEvent {
 
 impl Mission {
     /// A mission of this length without events in the quiet time.
-    pub(super) fn new(random: Random, length: Duration, quiet: (Duration, Duration)) -> Self {
+    pub(super) fn new(random: Random, length: Duration, quiet: Window) -> Self {
         let mut writer = MissionWriter::new(random);
         writer.run(length, quiet);
         let branches = writer.places[1..=BRANCHES].iter().map(|place| place.path.clone()).collect();
@@ -110,7 +111,7 @@ impl MissionWriter {
         ('A'..='Z').nth(self.random.below(26)).unwrap_or('A')
     }
 
-    fn run(&mut self, length: Duration, quiet: (Duration, Duration)) {
+    fn run(&mut self, length: Duration, quiet: Window) {
         self.enter(0);
         for branch in 1..=BRANCHES {
             self.enter(branch);
@@ -122,8 +123,8 @@ impl MissionWriter {
             if at >= length {
                 break;
             }
-            if at >= quiet.0 && at < quiet.1 {
-                due[branch] = u64::try_from(quiet.1.as_nanos()).unwrap_or(u64::MAX) + self.pause();
+            if quiet.has(at) {
+                due[branch] = u64::try_from(quiet.to.as_nanos()).unwrap_or(u64::MAX) + self.pause();
                 continue;
             }
             self.t_ns = self.t_ns.max(due[branch]);
@@ -255,7 +256,7 @@ pub struct SampleEvent {
 
 /// The events of a mission of this length, and its state in the middle, encoded as for a link.
 pub fn sample_events(seed: u64, length: Duration) -> (Vec<SampleEvent>, Vec<u8>) {
-    let mission = Mission::new(Random::new(seed), length, (length, length));
+    let mission = Mission::new(Random::new(seed), length, Window { from: length, to: length });
     let (mut places, mut events) = (Vec::new(), Vec::new());
     for sequence in 1..=mission.events.len() as u64 {
         let (time_before, items) = mission.items(sequence, sequence);

@@ -116,8 +116,7 @@ impl LinkWorld {
         let plan = Plan::new(scenario, &mut random);
         let profile = Profile::DELAY_2S;
         let mut fork = || random.below(usize::MAX) as u64;
-        let mission =
-            Mission::new(Random::new(fork()), plan.length, (plan.quiet.from, plan.quiet.to));
+        let mission = Mission::new(Random::new(fork()), plan.length, plan.quiet);
         let carrier = |bits_per_s, seed| Carrier::new(Conditions::delay_2s(bits_per_s), seed);
         let mut down: Vec<_> =
             (0..=STATIONS).map(|_| carrier(profile.down_bits_per_s, fork())).collect();

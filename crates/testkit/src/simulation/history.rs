@@ -20,7 +20,7 @@ impl History {
         self.events += 1;
         match event {
             Event::Entered { path, node, inputs, .. } => {
-                let entered = self.entered(engine, (*path, *node), inputs);
+                let entered = self.entered(engine, *path, *node, inputs);
                 self.active.insert(*path, entered);
             }
             Event::Left { path, node, outcome, outputs, absent, error, .. } => {
@@ -51,7 +51,8 @@ impl History {
     fn entered(
         &self,
         engine: &Engine<Value>,
-        (path, node): (PathId, NodeId),
+        path: PathId,
+        node: NodeId,
         inputs: &[Value],
     ) -> ActiveStateData<Value> {
         let about = engine.program().node(node);
