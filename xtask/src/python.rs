@@ -104,7 +104,8 @@ fn install(python: &Path, options: &[&str], packages: &[&str]) -> Result<()> {
 pub(crate) fn sources(
     base: &Interpreter,
     folder: &Path,
-    (name, version): (&str, &str),
+    name: &str,
+    version: &str,
 ) -> Result<PathBuf> {
     let unpacked = folder.join(format!("{name}-{version}"));
     if unpacked.join("setup.py").exists() {

@@ -198,7 +198,8 @@ fn python_side(product: &Product) -> Result<()> {
 
 /// The unpacked sources of the planner plugin.
 pub(crate) fn planner() -> Result<PathBuf> {
-    python::sources(&python::default()?, &workspace::target()?.join("plugins"), PLANNER)
+    let (name, version) = PLANNER;
+    python::sources(&python::default()?, &workspace::target()?.join("plugins"), name, version)
 }
 
 /// A Python with the default engine next to it.

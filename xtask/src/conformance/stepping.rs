@@ -53,14 +53,15 @@ pub(crate) fn rows(reference: &Reference, product: &Product, part: Option<&str>)
         part.is_none_or(|part| name(machine, commands).contains(part))
     };
     // In sequence, because cases of one machine share its copy.
-    CASES.into_iter().filter(wanted).map(|case| row(reference, product, case)).collect()
+    let cases = CASES.into_iter().filter(wanted);
+    cases.map(|(machine, commands)| row(reference, product, machine, commands)).collect()
 }
 
 fn name(machine: &str, commands: &str) -> String {
     format!("stepping {machine}: {commands}")
 }
 
-fn row(reference: &Reference, product: &Product, (machine, commands): (&str, &str)) -> Row {
+fn row(reference: &Reference, product: &Product, machine: &str, commands: &str) -> Row {
     let name = name(machine, commands);
     let both = copy(reference, machine).and_then(|copy| {
         Ok((theirs(reference, &copy, commands)?, ours(reference, product, &copy, commands)?))
