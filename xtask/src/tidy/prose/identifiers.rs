@@ -100,14 +100,16 @@ fn code_of(line: &str) -> String {
     LITERAL.as_ref().map_or_else(String::new, |literal| literal.replace_all(line, "").into_owned())
 }
 
-/// Parameters of functions that are tuples.
+/// Parameters of functions that are tuples, outside of comments and literals.
 pub(super) fn tuple_parameters(text: &str) -> Vec<Hit> {
     static TUPLE: LazyLock<Option<Regex>> =
         LazyLock::new(|| Regex::new(r"\((?:mut )?\w+(?:, (?:mut )?\w+)+\): &?(?:mut )?\(").ok());
     let Some(tuple) = &*TUPLE else { return Vec::new() };
-    let lines = text.lines().enumerate().filter(|(_, line)| !line.contains("let "));
-    let found = lines.filter_map(|(at, line)| Some((at + 1, tuple.find(line)?.as_str())));
-    found.map(|(line, text)| Hit { measure: "tuple", line, text: text.to_owned() }).collect()
+    let lines = text.lines().enumerate().map(|(at, line)| (at + 1, code_of(line)));
+    let lines = lines.filter(|(_, code)| !code.contains("let "));
+    let found =
+        lines.filter_map(|(line, code)| Some((line, tuple.find(&code)?.as_str().to_owned())));
+    found.map(|(line, text)| Hit { measure: "tuple", line, text }).collect()
 }
 
 #[cfg(test)]
@@ -128,5 +130,6 @@ mod tests {
         let text = "fn a((b, c): (u8, u8)) {\n    let (d, e): (u8, u8) = f;\n    (room, payload): (usize, &mut Vec<u8>),\n";
         let lines: Vec<_> = tuple_parameters(text).iter().map(|hit| hit.line).collect();
         assert_eq!(lines, [1, 3]);
+        assert_eq!(tuple_parameters("let text =\n    \"fn a((b, c): (u8, u8))\";\n"), []);
     }
 }
