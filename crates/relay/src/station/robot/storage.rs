@@ -7,7 +7,7 @@ use crate::station::pending_requests::SendTimes;
 use crate::station::stored_command::{AboutCommand, StoredCommand};
 use crate::station::viewers::PendingRequest;
 use crate::words::StationRequest;
-use rafcon_link::{CommandId, StreamId, TimedCommand};
+use rafcon_link::{CommandId, SessionTime, StreamId, TimedCommand};
 use rafcon_protocol::Command;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -29,7 +29,7 @@ pub(super) struct PreparedRequest {
 /// A request that waits for the disk.
 struct Storing {
     request: PreparedRequest,
-    since: Duration,
+    since: SessionTime,
 }
 
 /// Requests that are being stored, and those that are stored.
@@ -88,7 +88,7 @@ impl CommandStorage {
     /// Stores a request. Returns it if it is accepted at once.
     pub(super) fn store(
         &mut self,
-        now: Duration,
+        now: SessionTime,
         request: PreparedRequest,
     ) -> Option<PreparedRequest> {
         match durability(&request.given.word) {
@@ -132,7 +132,7 @@ impl CommandStorage {
     }
 
     /// Requests that have waited too long for the disk: they are accepted now.
-    pub(super) fn take_slow(&mut self, now: Duration) -> Vec<PreparedRequest> {
+    pub(super) fn take_slow(&mut self, now: SessionTime) -> Vec<PreparedRequest> {
         let is_slow = |_: &CommandId, storing: &mut Storing| now >= storing.since + DISK_WITHIN;
         let slow: Vec<_> = self.storing.extract_if(.., is_slow).collect();
         let slow = slow.into_iter().map(|(_, storing)| storing.request);
