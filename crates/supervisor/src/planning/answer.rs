@@ -65,6 +65,16 @@ struct Wanted {
     replanning: Option<Replanning>,
 }
 
+/// A request that an engine can plan.
+struct PlanningJob<'j> {
+    /// The request as the client sent it.
+    request: &'j MakePlan,
+    /// The task that was read from the request.
+    wanted: &'j Wanted,
+    /// Start of the planning, for the age of plans.
+    begin: Instant,
+}
+
 impl Planner<'_> {
     /// Plans. Reports each event as it happens, and returns the last one.
     pub fn plan(
@@ -85,7 +95,8 @@ impl Planner<'_> {
             after_ms: millis_since(begin),
             findings: found::findings(&wanted.findings),
         };
-        match self.search(request, &wanted, begin, (cancel, tell)) {
+        let job = PlanningJob { request, wanted: &wanted, begin };
+        match self.search(&job, cancel, tell) {
             Err(reason) | Ok((SearchEnd::Failed(reason), _)) => PlanEvent::Failed(end(reason)),
             Ok((SearchEnd::Enough, found)) => PlanEvent::Done(end(if found > 1 {
                 format!("the last of {found} plans is the best")
@@ -199,11 +210,11 @@ impl Planner<'_> {
     /// Runs the engine. Returns its end and the number of plans. `Err` if the engine was not started.
     fn search(
         &self,
-        request: &MakePlan,
-        wanted: &Wanted,
-        begin: Instant,
-        (cancel, tell): (&Cancel, &mut dyn FnMut(PlanEvent)),
+        job: &PlanningJob<'_>,
+        cancel: &Cancel,
+        tell: &mut dyn FnMut(PlanEvent),
     ) -> Result<(SearchEnd, usize), String> {
+        let PlanningJob { request, wanted, .. } = *job;
         let name = request.engine.as_deref().unwrap_or(DEFAULT_ENGINE);
         let engine = Engine::find(name, self.python, self.environment);
         let folder = tempfile::tempdir()
@@ -232,13 +243,11 @@ impl Planner<'_> {
                 plan.restore_names(&names);
                 plan
             });
-            let shown = match plan
-                .map_err(Verdict::Wrong)
-                .and_then(|plan| self.shown(request, wanted, &plan, (name, begin)))
-            {
-                Ok(shown) => shown,
-                Err(verdict) => return verdict,
-            };
+            let shown =
+                match plan.map_err(Verdict::Wrong).and_then(|plan| self.shown(job, &plan, name)) {
+                    Ok(shown) => shown,
+                    Err(verdict) => return verdict,
+                };
             let price = if shown.temporal { Some(shown.makespan) } else { shown.cost };
             if best.zip(price).is_none_or(|(best, price)| price < best) {
                 best = price.or(best);
@@ -257,11 +266,11 @@ impl Planner<'_> {
     /// A validated plan with its machine. `Err` gives the reason for its rejection.
     fn shown(
         &self,
-        request: &MakePlan,
-        wanted: &Wanted,
+        job: &PlanningJob<'_>,
         plan: &Plan,
-        (engine, begin): (&str, Instant),
+        engine: &str,
     ) -> Result<PlanFound, Verdict> {
+        let PlanningJob { request, wanted, begin } = *job;
         let Wanted { pool, task, .. } = wanted;
         validate(task, plan).map_err(|invalid| Verdict::Wrong(invalid.to_string()))?;
         let is_ordered = plan.temporal || request.parallel;

@@ -180,8 +180,9 @@ pub(super) fn search(
         lanes: engine.lanes(wish).into_iter().enumerate().collect(),
         running: Vec::new(),
         found: 0,
+        sender,
     };
-    let end = search.run(wish.limit, (&sender, &receiver), cancel, on_plan);
+    let end = search.run(wish.limit, &receiver, cancel, on_plan);
     cancel.0.lock().wake = None;
     end
 }
@@ -191,13 +192,15 @@ struct Search<'s> {
     lanes: std::collections::VecDeque<(usize, Lane)>,
     running: Vec<(usize, Running)>,
     found: usize,
+    /// Queue of the engines' output.
+    sender: SyncSender<Message>,
 }
 
 impl Search<'_> {
     fn run(
         &mut self,
         limit: Duration,
-        (sender, receiver): (&SyncSender<Message>, &Receiver<Message>),
+        receiver: &Receiver<Message>,
         cancel: &Cancel,
         on_plan: &mut dyn FnMut(&str) -> Verdict,
     ) -> SearchEnd {
@@ -209,7 +212,7 @@ impl Search<'_> {
             let due = self.lanes.front().map(|(_, lane)| begin + lane.after);
             let idle = self.running.iter().all(|(_, running)| running.is_over());
             if self.found == 0 && due.is_some_and(|due| idle || clock::now() >= due) {
-                if let Some(end) = self.start_next(sender) {
+                if let Some(end) = self.start_next() {
                     return end;
                 }
                 continue;
@@ -234,9 +237,9 @@ impl Search<'_> {
     }
 
     /// Starts the next lane. Returns the end of the search if that fails.
-    fn start_next(&mut self, sender: &SyncSender<Message>) -> Option<SearchEnd> {
+    fn start_next(&mut self) -> Option<SearchEnd> {
         let (index, lane) = self.lanes.pop_front()?;
-        match start(index, &lane, sender) {
+        match start(index, &lane, &self.sender) {
             Ok(running) => {
                 self.running.push((index, running));
                 None
