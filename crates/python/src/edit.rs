@@ -86,10 +86,10 @@ impl<'py> Request<'_, 'py> {
     fn outcome(self, verb: &str) -> PyResult<Edit> {
         let (id, edit) = match verb {
             "add" => {
-                self.all().map(|(id, name): (i64, String)| (id, OutcomeEdit::Add(name.into())))
+                self.all::<(i64, String)>().map(|(id, name)| (id, OutcomeEdit::Add(name.into())))
             }
             "rename" => {
-                self.all().map(|(id, name): (i64, String)| (id, OutcomeEdit::Rename(name.into())))
+                self.all::<(i64, String)>().map(|(id, name)| (id, OutcomeEdit::Rename(name.into())))
             }
             "remove" => self.one().map(|id: i64| (id, OutcomeEdit::Remove)),
             _ => Err(self.unknown()),

@@ -46,7 +46,7 @@ impl Planning {
         let planning = Self { events: Arc::default(), cancel: Cancel::default() };
         let (events, cancel) = (Arc::clone(&planning.events), planning.cancel.clone());
         let libraries = Arc::clone(&roots.libraries);
-        let work = move || run(&request, &libraries, &python, (&cancel, &events));
+        let work = move || run(&request, &libraries, &python, &cancel, &events);
         std::thread::Builder::new().name("planning".to_owned()).spawn(work)?;
         Ok(planning)
     }
@@ -75,12 +75,7 @@ impl Drop for Planning {
     }
 }
 
-fn run(
-    request: &MakePlan,
-    libraries: &Libraries,
-    python: &Path,
-    (cancel, events): (&Cancel, &Events),
-) {
+fn run(request: &MakePlan, libraries: &Libraries, python: &Path, cancel: &Cancel, events: &Events) {
     let environment = ProgramEnvironment::default();
     let Ok(python) = Interpreter::choose(Some(python), &environment) else { return };
     let planner = Planner { libraries, python: &python, environment: &environment };
