@@ -34,5 +34,7 @@ pub use page_files::PageFiles;
 pub use projects::project_ids;
 pub use router::{openapi, router};
 pub use runs::RunAuthority;
-pub use settings::{CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, Settings};
+pub use settings::{
+    CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, RunValue, Settings,
+};
 pub use state::{ServerState, ServerStateError};

@@ -86,16 +86,25 @@ pub enum CommandListFault {
     Faulty(String),
 }
 
+/// Name of a stored value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RunValue<'v> {
+    /// Id of the run that the value belongs to.
+    pub run: &'v str,
+    /// Number of the value in the run's journal.
+    pub number: u64,
+}
+
 /// Requests of a station's server to its robots.
 pub trait Robots: fmt::Debug + Send + Sync {
     /// Requests a value of `length` bytes of a robot's run, with a limit of `budget` bytes to send. Returns `false` if impossible.
-    fn fetch(&self, robot: &str, value: (&str, u64), length: u64, budget: u64) -> bool;
+    fn fetch(&self, robot: &str, value: RunValue<'_>, length: u64, budget: u64) -> bool;
 
     /// Cancels the fetch of a value.
-    fn cancel(&self, robot: &str, value: (&str, u64));
+    fn cancel(&self, robot: &str, value: RunValue<'_>);
 
     /// Progress of the current or last fetch of a value.
-    fn progress(&self, value: (&str, u64)) -> Option<ValueFetch>;
+    fn progress(&self, value: RunValue<'_>) -> Option<ValueFetch>;
 
     /// Sends a request to a robot, once for each id. `answered` receives the robot's answer, or is called once it is overdue.
     fn request(

@@ -19,7 +19,8 @@ use rafcon_relay::{
     relay_robot, relay_station,
 };
 use rafcon_server::{
-    CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, RunAuthority, Settings,
+    CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, RunAuthority, RunValue,
+    Settings,
 };
 use std::fs::{self, OpenOptions};
 use std::io::{self, IsTerminal as _, Write as _};
@@ -227,16 +228,16 @@ fn list_fault(why: CommandListError) -> CommandListFault {
 }
 
 impl Robots for StationBroker {
-    fn fetch(&self, robot: &str, (run, number): (&str, u64), length: u64, budget: u64) -> bool {
-        self.values.fetch(robot, (run.to_owned(), number), length, budget)
+    fn fetch(&self, robot: &str, value: RunValue<'_>, length: u64, budget: u64) -> bool {
+        self.values.fetch(robot, (value.run.to_owned(), value.number), length, budget)
     }
 
-    fn cancel(&self, robot: &str, (run, number): (&str, u64)) {
-        self.values.cancel(robot, (run.to_owned(), number));
+    fn cancel(&self, robot: &str, value: RunValue<'_>) {
+        self.values.cancel(robot, (value.run.to_owned(), value.number));
     }
 
-    fn progress(&self, (run, number): (&str, u64)) -> Option<ValueFetch> {
-        self.values.progress(run, number)
+    fn progress(&self, value: RunValue<'_>) -> Option<ValueFetch> {
+        self.values.progress(value.run, value.number)
     }
 
     fn cost(&self, robot: &str, bytes: u64) -> Option<(u64, Option<u64>)> {

@@ -3,7 +3,7 @@
 use super::moments::value;
 use super::{Json, folder, read};
 use crate::extract::{Body, Path};
-use crate::settings::Robots;
+use crate::settings::{Robots, RunValue};
 use crate::{Failure, ServerState};
 use axum::extract::State;
 use rafcon_protocol::api::{FetchValue, KeptAs, KeptValue, Refusal};
@@ -22,7 +22,8 @@ pub(super) fn kept_in_file(
     reader: &Reader,
     robots: Option<&dyn Robots>,
     number: ValueNumber,
-    (hash, bytes): (&str, u64),
+    hash: &str,
+    bytes: u64,
 ) -> KeptAs {
     let about = reader.about();
     let Some(robot) = &about.robot else { return KeptAs::Pickle { bytes } };
@@ -31,7 +32,8 @@ pub(super) fn kept_in_file(
     }
     let cost = robots.and_then(|robots| robots.cost(robot, bytes));
     let (link_bytes, takes_ms) = cost.unzip();
-    let fetch = robots.and_then(|robots| robots.progress((&about.id, number.0)));
+    let value = RunValue { run: &about.id, number: number.0 };
+    let fetch = robots.and_then(|robots| robots.progress(value));
     KeptAs::OnRobot { bytes, link_bytes, takes_ms: takes_ms.flatten(), fetch }
 }
 
@@ -67,7 +69,8 @@ async fn fetch(
         match (&before.kept, robot, &robots) {
             (KeptAs::OnRobot { bytes, .. }, Some(robot), Some(robots)) => {
                 let budget = wanted.budget.unwrap_or(bytes.saturating_add(bytes / 4 + 4_096));
-                if !robots.fetch(&robot, (&id, number.0), *bytes, budget) {
+                let value = RunValue { run: &id, number: number.0 };
+                if !robots.fetch(&robot, value, *bytes, budget) {
                     return Err(not_received(&robot));
                 }
             }
@@ -103,7 +106,7 @@ async fn cancel(
     read(&server, &run, move |reader| {
         let about = reader.about();
         if let (Some(robot), Some(robots)) = (&about.robot, &robots) {
-            robots.cancel(robot, (&about.id, number));
+            robots.cancel(robot, RunValue { run: &about.id, number });
         }
         Json::of(&kept(reader, robots.as_deref(), ValueNumber(number))?)
     })

@@ -113,7 +113,7 @@ pub(super) fn value(
     let kept = match stored.content {
         Content::View => KeptAs::View,
         Content::Pickle(bytes) => KeptAs::Pickle { bytes: bytes.len() as u64 },
-        Content::File { hash, size } => fetch::kept_in_file(reader, robots, number, (&hash, size)),
+        Content::File { hash, size } => fetch::kept_in_file(reader, robots, number, &hash, size),
         Content::Nothing(reason) => KeptAs::Nothing { reason },
     };
     KeptValue { number: number.0, type_name: stored.type_name.to_string(), view: stored.view, kept }

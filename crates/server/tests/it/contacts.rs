@@ -6,7 +6,7 @@ use rafcon_protocol::api::{
     ListRequest, RobotAnswer, RobotMachines, RobotRequest, Role, ValueFetch,
 };
 use rafcon_protocol::{CommandList, ContactPlan, ListLine, ListRelease, ListedCommand};
-use rafcon_server::{CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots};
+use rafcon_server::{CommandListFault, ContactsFault, MachinesFault, NotTaken, Robots, RunValue};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex};
 
@@ -43,13 +43,13 @@ impl OneRobot {
 }
 
 impl Robots for OneRobot {
-    fn fetch(&self, _: &str, _: (&str, u64), _: u64, _: u64) -> bool {
+    fn fetch(&self, _: &str, _: RunValue<'_>, _: u64, _: u64) -> bool {
         false
     }
 
-    fn cancel(&self, _: &str, _: (&str, u64)) {}
+    fn cancel(&self, _: &str, _: RunValue<'_>) {}
 
-    fn progress(&self, _: (&str, u64)) -> Option<ValueFetch> {
+    fn progress(&self, _: RunValue<'_>) -> Option<ValueFetch> {
         None
     }
 
