@@ -28,7 +28,8 @@ pub(super) fn attach(
         remote::refuse_runs(&raw.runs, environment)?;
         let run = remote::run(&server, &raw.run)?.id;
         let at = AtServer { server: &server, output: raw.output, environment, clock };
-        let end = at.follow(&run, at.queue()?, raw.from, (RunRole::Guest, None))?;
+        let options = FollowOptions { from: raw.from, role: RunRole::Guest, deadline: None };
+        let end = at.follow(&run, at.queue()?, options)?;
         return Ok(ended(&end, &at.named(&run)));
     }
     let folder = find_run(&raw.runs, environment, &raw.run)?;
@@ -48,6 +49,17 @@ pub(super) fn attach(
     Ok(ended(&end, &run_id(&folder)))
 }
 
+/// Options for following one run at a server.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FollowOptions {
+    /// Number of the first event; 0 for new events only.
+    pub(super) from: u64,
+    /// Relation of this command to the run.
+    pub(super) role: RunRole,
+    /// Time of the clock at which the machine is stopped.
+    pub(super) deadline: Option<Duration>,
+}
+
 /// Settings for following a run at a server.
 pub(super) struct AtServer<'a> {
     pub(super) server: &'a Arc<Server>,
@@ -62,15 +74,14 @@ impl AtServer<'_> {
         EventQueue::new(has_keys(self.output, self.environment))
     }
 
-    /// Follows a run from this event on (0: only new events) until it ends or the user leaves. The machine is stopped at
-    /// the deadline.
+    /// Follows a run until it ends or the user leaves.
     pub(super) fn follow(
         &self,
         run: &str,
         mut queue: EventQueue,
-        from: u64,
-        (role, deadline): (RunRole, Option<Duration>),
+        options: FollowOptions,
     ) -> Result<End> {
+        let FollowOptions { from, role, deadline } = options;
         let Self { server, output, environment, clock } = *self;
         let keyboard = keyboard(output, environment, true);
         let view = view(output, environment, remote::names(server, run), keyboard);

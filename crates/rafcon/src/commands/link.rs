@@ -306,6 +306,16 @@ impl Robots for StationBroker {
     }
 }
 
+/// Folders of a robot that sends its runs to stations.
+pub(super) struct RobotFolders<'f> {
+    /// State of the server, with the pairings.
+    pub(super) state: &'f Path,
+    /// The runs to send.
+    pub(super) runs: &'f Path,
+    /// The machines that a station can request.
+    pub(super) projects: &'f Projects,
+}
+
 /// The threads that carry runs over the link while a server runs.
 #[derive(Default)]
 pub(super) struct Relays {
@@ -314,14 +324,15 @@ pub(super) struct Relays {
 }
 
 impl Relays {
-    /// Sends the runs in `runs` to the stations that the options name, to each over a link of its own.
+    /// Sends the runs of this robot to the stations that the options name, to each over a link of its own.
     pub(super) fn robot(
         &mut self,
         raw: &cli::Link,
-        (state, runs, projects): (&Path, &Path, &Projects),
+        folders: &RobotFolders<'_>,
         authority: &Arc<ServerAuthority>,
         environment: &Environment,
     ) -> Result<()> {
+        let RobotFolders { state, runs, projects } = *folders;
         let mut all: Vec<RobotSettings> = Vec::new();
         let mut fingerprints = raw.station_fingerprints.iter();
         for spoken in &raw.stations {

@@ -1,7 +1,7 @@
 //! `rafcon serve`: converts the options to the settings of a server. `rafcon-server` does the rest.
 
 use super::kept::runs_folder;
-use super::link::{Relays, ServerAuthority, StationBroker};
+use super::link::{Relays, RobotFolders, ServerAuthority, StationBroker};
 use super::ros;
 use crate::cli;
 use crate::environment::{self, Environment};
@@ -28,7 +28,8 @@ pub(super) fn serve(
     let mut relays = Relays::default();
     let authority = Arc::new(ServerAuthority::default());
     let projects = projects(&settings);
-    relays.robot(&raw.link, (&state, &runs, &projects), &authority, environment)?;
+    let folders = RobotFolders { state: &state, runs: &runs, projects: &projects };
+    relays.robot(&raw.link, &folders, &authority, environment)?;
     if let Some(listen) = robots {
         let broker = StationBroker::default();
         relays.station(&raw.link, listen, &settings, &broker)?;

@@ -33,10 +33,10 @@ fn root(wish: &TemplateRequest) -> State {
     let mut root = empty::root(wish);
     root.layout = layout::entry((0.0, 0.0), (620.0, 400.0), true);
     let id = root.id.clone();
-    let mut observe = library("OBSERV", "Observe", ("examples/rover", "observe"), &[]);
+    let mut observe = library("OBSERV", "Observe", "examples/rover", "observe", &[]);
     let pool = Value::List([Value::str("examples/rover")].into());
     let inputs = [(POOL, pool), (WANTED, Value::str(GOAL))];
-    let mut again = library("REPLAN", "Plan again", ("planning", "replan"), &inputs);
+    let mut again = library("REPLAN", "Plan again", "planning", "replan", &inputs);
     // Positions next to the steps of a plan.
     observe.layout = layout::entry((50.0, 60.0), (120.0, 72.0), false);
     again.layout = layout::entry((250.0, 60.0), (120.0, 72.0), false);
@@ -70,12 +70,7 @@ fn root(wish: &TemplateRequest) -> State {
     root
 }
 
-fn library(
-    id: &str,
-    name: &str,
-    (path, library): (&str, &str),
-    inputs: &[(PortId, Value)],
-) -> State {
+fn library(id: &str, name: &str, path: &str, library: &str, inputs: &[(PortId, Value)]) -> State {
     let given = |(port, value): &(PortId, Value)| {
         (*port, RuntimeValue { value: value.clone(), used: true })
     };

@@ -5,7 +5,7 @@ use super::{report, request, view};
 use crate::cli;
 use crate::client::{Fault, Server};
 use crate::clock::Clock;
-use crate::commands::attach::{self, AtServer};
+use crate::commands::attach::{self, AtServer, FollowOptions};
 use crate::commands::remote::{self, refuse, refuse_runs};
 use crate::environment::Environment;
 use crate::failure::{Usage, complain};
@@ -201,7 +201,8 @@ fn begin(
         Ok(run) => run.id,
         Err(fault) => return not_begun(at, fault),
     };
-    let end = at.follow(&run, queue, from, (RunRole::Host, deadline))?;
+    let options = FollowOptions { from, role: RunRole::Host, deadline };
+    let end = at.follow(&run, queue, options)?;
     let named = at.named(&run);
     if let End::Left = end {
         return Ok(attach::ended(&end, &named));
