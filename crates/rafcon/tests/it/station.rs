@@ -286,7 +286,7 @@ pub(crate) fn wait_at(place: &Place, station: &str, words: &str) {
 }
 
 /// Waits until a station knows that control of the newest run is like this: before that, its users decide under an old epoch.
-pub(crate) fn wait_for_control(place: &Place, (state, url): (&str, &str), words: &str) {
+pub(crate) fn wait_for_control(place: &Place, state: &str, url: &str, words: &str) {
     let show = format!("control last show --server {url} --state {state}");
     while !place.call(&show).stdout.contains(words) {
         thread::yield_now();
@@ -417,9 +417,9 @@ fn one_user_commands_a_run_over_its_robot_and_its_station() {
     };
     let user = at_station("step-mode");
     let mut said = vec![user, at_robot("show"), at_robot("take-over"), at_robot("override")];
-    wait_for_control(&place, ("ground", &ground.url), "owner@robot is in control");
+    wait_for_control(&place, "ground", &ground.url, "owner@robot is in control");
     said.extend([at_station("resume"), at_station("pause"), at_robot("release")]);
-    wait_for_control(&place, ("ground", &ground.url), "no user");
+    wait_for_control(&place, "ground", &ground.url, "no user");
     said.push(at_station("resume"));
     said.push(at_station("stop"));
     drop(run.end());

@@ -291,7 +291,7 @@ fn a_list_with_a_fault_sends_nothing_and_names_all_faults() {
     let take = format!("control last take-over --server {} --state robot", robot.url);
     drop(place.call(&take));
     drop(place.call(&format!("tell last resume --server {} --state robot", robot.url)));
-    wait_for_control(&place, ("ground", &ground.url), "owner@robot is in control");
+    wait_for_control(&place, "ground", &ground.url, "owner@robot is in control");
     let pass_ms = clock::since_1970_ms() / 1_000 * 1_000 + 86_400_000;
     let [pass, late, early] =
         [0, 60_000, -3_600_000_i64].map(|ms| utc_text(pass_ms.saturating_add_signed(ms)));

@@ -84,7 +84,7 @@ fn two_stations_have_a_run_and_what_one_suffers_is_nothing_to_the_other() {
         format!("{state} {wanted}: {first}\n")
     };
     let mut said = vec![tell("ground", "step-mode"), tell("moon", "resume"), tell("moon", "pause")];
-    wait_for_control(&place, ("moon", &moon.url), "owner@ground is in control");
+    wait_for_control(&place, "moon", &moon.url, "owner@ground is in control");
     said.push(control("robot", &robot.url, "show"));
     let report = ["ground", "moon"].map(|name| {
         wait_for_link(&place, "robot", &format!("scout: receiving from station {name}"))
@@ -94,7 +94,7 @@ fn two_stations_have_a_run_and_what_one_suffers_is_nothing_to_the_other() {
     in_background(move || make_noise(at_ground));
     drop(ground);
     said.extend(["override", "release"].map(|wanted| control("robot", &robot.url, wanted)));
-    wait_for_control(&place, ("moon", &moon.url), "no user");
+    wait_for_control(&place, "moon", &moon.url, "no user");
     said.extend([tell("moon", "resume"), tell("moon", "stop")]);
     drop(run.end());
     wait_at(&place, "moon", "Ticks  ended with");

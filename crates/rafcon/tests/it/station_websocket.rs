@@ -46,7 +46,7 @@ impl Path {
                 for (from, to) in [(&near, &far), (&far, &near)] {
                     let (from, to) = (from.try_clone().unwrap(), to.try_clone().unwrap());
                     let passes = Arc::clone(&inner);
-                    in_background(move || carry(number, &from, &to, &passes));
+                    in_background(move || carry(number, &from, &to, &passes.0, &passes.1));
                 }
             }
         });
@@ -68,7 +68,8 @@ fn carry(
     number: usize,
     mut from: &TcpStream,
     mut to: &TcpStream,
-    (passes, changed): &(Mutex<Passes>, Condvar),
+    passes: &Mutex<Passes>,
+    changed: &Condvar,
 ) {
     let mut buffer = [0; 2_000];
     while let Ok(length @ 1..) = from.read(&mut buffer) {

@@ -189,7 +189,7 @@ fn one_kill(place: &Place, seed: u64, tally: &mut Tally) {
     let mut told = if moment == Moment::Starting {
         let by_itself = format!("--on-crash {policy}");
         let run = start(if dice.roll(2) == 0 { "" } else { &by_itself });
-        killed_early(run, &mut dice, &place.path(&runs), (&mut tally.starting, &mut tally.running))
+        killed_early(run, &mut dice, &place.path(&runs), &mut tally.starting, &mut tally.running)
     } else {
         tally.running += 1;
         killed(start(""), dice.roll(LINES))
@@ -211,7 +211,7 @@ fn one_kill(place: &Place, seed: u64, tally: &mut Tally) {
         let again = lives == 2 && dice.roll(3) == 0;
         told.extend(if moment == Moment::Resuming && lives == 2 {
             let (early, late) = (&mut tally.resuming, &mut tally.running);
-            killed_early(run, &mut dice, &place.path(&runs), (early, late))
+            killed_early(run, &mut dice, &place.path(&runs), early, late)
         } else {
             tally.running += u32::from(again);
             killed(run, if again { dice.roll(LINES / 2) } else { u64::MAX })
@@ -246,7 +246,8 @@ fn killed_early(
     run: Run,
     dice: &mut Dice,
     runs: &Path,
-    (early, late): (&mut u32, &mut u32),
+    early: &mut u32,
+    late: &mut u32,
 ) -> Vec<Value> {
     let before = latest(runs).map(|run| events(&run));
     let runner = (0..LOOKS).find_map(|_| run.runner()).expect("a runner is started");
