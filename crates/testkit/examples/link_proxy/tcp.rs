@@ -28,6 +28,7 @@ struct Way {
 type Ways = Arc<Mutex<BTreeMap<u32, Way>>>;
 
 /// The connections.
+#[derive(Clone)]
 pub(crate) struct Connections {
     address: SocketAddr,
     to_station: Ways,
@@ -42,22 +43,50 @@ impl Connections {
     ) -> io::Result<Self> {
         let listener = TcpListener::bind(listen)?;
         let address = listener.local_addr()?;
-        let (to_station, to_robot) = (Ways::default(), Ways::default());
-        let (down, up, arrivals) =
-            (Arc::clone(&to_station), Arc::clone(&to_robot), arrivals.clone());
+        let connections = Self { address, to_station: Ways::default(), to_robot: Ways::default() };
+        let (accepted, arrivals) = (connections.clone(), arrivals.clone());
         let accept = move || {
             for (number, robot) in (0_u32..).zip(listener.incoming().flatten()) {
                 // A station that is not there takes no connection.
-                drop(join(number, &robot, station, (&down, &up), &arrivals));
+                drop(accepted.join(number, &robot, station, &arrivals));
             }
         };
         thread::Builder::new().spawn(accept)?;
-        Ok(Self { address, to_station, to_robot })
+        Ok(connections)
     }
 
     /// Where robots connect.
     pub(crate) fn address(&self) -> SocketAddr {
         self.address
+    }
+
+    /// Connects to the station, and carries the bytes of both.
+    fn join(
+        &self,
+        number: u32,
+        robot: &TcpStream,
+        station: SocketAddr,
+        arrivals: &SyncSender<Arrival>,
+    ) -> io::Result<()> {
+        let station = TcpStream::connect(station)?;
+        let directions = [
+            (robot, &station, &self.to_station, Arrival::FromRobot as Arrives),
+            (&station, robot, &self.to_robot, Arrival::FromStation),
+        ];
+        for (from, to, ways, arrival) in directions {
+            to.set_nodelay(true)?;
+            let (out, chunks) = sync_channel(WINDOW);
+            let (credit, credits) = sync_channel(WINDOW);
+            if let Ok(mut ways) = ways.lock() {
+                ways.insert(number, Way { out, credit });
+            }
+            let (from, to, arrivals) = (from.try_clone()?, to.try_clone()?, arrivals.clone());
+            thread::Builder::new().spawn(move || {
+                read(number, from, &credits, |it| arrivals.send(arrival(it)).is_ok());
+            })?;
+            thread::Builder::new().spawn(move || write(to, &chunks))?;
+        }
+        Ok(())
     }
 }
 
@@ -69,34 +98,6 @@ impl Ends for Connections {
     fn to_station(&self, chunk: &[u8]) {
         deliver(&self.to_station, chunk);
     }
-}
-
-/// Connects to the station, and carries the bytes of both.
-fn join(
-    number: u32,
-    robot: &TcpStream,
-    station: SocketAddr,
-    (down, up): (&Ways, &Ways),
-    arrivals: &SyncSender<Arrival>,
-) -> io::Result<()> {
-    let station = TcpStream::connect(station)?;
-    let directions = [
-        (robot, &station, down, Arrival::FromRobot as Arrives),
-        (&station, robot, up, Arrival::FromStation),
-    ];
-    for (from, to, ways, arrival) in directions {
-        to.set_nodelay(true)?;
-        let (out, chunks) = sync_channel(WINDOW);
-        let (credit, credits) = sync_channel(WINDOW);
-        if let Ok(mut ways) = ways.lock() {
-            ways.insert(number, Way { out, credit });
-        }
-        let (from, to, arrivals) = (from.try_clone()?, to.try_clone()?, arrivals.clone());
-        thread::Builder::new()
-            .spawn(move || read(number, from, &credits, |it| arrivals.send(arrival(it)).is_ok()))?;
-        thread::Builder::new().spawn(move || write(to, &chunks))?;
-    }
-    Ok(())
 }
 
 /// Reads while chunks find room on their way. An empty one says that no more will come.

@@ -45,13 +45,13 @@ impl Network {
         let station = device(&format!("{name}-s"))?;
         let devices = Devices { robot: Arc::new(robot), station: Arc::new(station) };
         let network = Self { name: name.to_owned(), devices };
-        network.host("robot", "r", (ROBOT, STATION))?;
-        network.host("station", "s", (STATION, ROBOT))?;
+        network.host("robot", "r", ROBOT, STATION)?;
+        network.host("station", "s", STATION, ROBOT)?;
         Ok(network)
     }
 
     /// Gives a device to a host of its own, which reaches the other by it.
-    fn host(&self, host: &str, end: &str, (own, other): (&str, &str)) -> io::Result<()> {
+    fn host(&self, host: &str, end: &str, own: &str, other: &str) -> io::Result<()> {
         let (space, device) = (format!("{}-{host}", self.name), format!("{}-{end}", self.name));
         // One that a proxy has left that was killed.
         drop(Command::new("ip").args(["netns", "del", &space]).output());
