@@ -50,7 +50,7 @@ pub use seal::{
 };
 pub use session_time::SessionTime;
 pub use station::{
-    CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched, RobotTimes,
-    StationSession, StreamProgress, TimedCommand,
+    COMMANDS_MAX, CommandProgress, FetchProgress, FromRobot, NewCommand, NotSent, NotWatched,
+    RobotTimes, StationSession, StreamProgress, TimedCommand,
 };
 pub use traffic::Traffic;

@@ -84,7 +84,7 @@ impl PayloadWriter {
         self.bytes_max.saturating_sub(self.bytes.len())
     }
 
-    /// The bytes written so far.
+    /// The payload, with the frames up to now.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }

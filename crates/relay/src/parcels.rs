@@ -75,10 +75,7 @@ impl Parcels {
     pub(crate) fn open(folder: &Path) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
         let mut found = BTreeMap::new();
-        for entry in fs::read_dir(folder)?.flatten() {
-            let name = entry.file_name();
-            let Some((number, hash)) = name.to_str().and_then(read_name) else { continue };
-            let path = entry.path();
+        for (number, (hash, path)) in files(folder)? {
             let kept = fs::read(&path).ok().and_then(|bytes| kept(&bytes, &path));
             match kept.filter(|kept| kept.name == hash) {
                 Some(kept) => {
@@ -110,9 +107,12 @@ impl Parcels {
 
     /// The list of machines that came last.
     pub(crate) fn machine_list(&self) -> Option<RobotMachines> {
-        let newest = self.all.iter().rev().find(|kept| kept.is_list)?;
-        let bytes = fs::read(&newest.path).ok()?;
-        (Hash::of(&bytes) == newest.name).then(|| read_machine_list(&bytes))?
+        let Kept { name, path, .. } = &**self.newest_list()?;
+        read_list_file(*name, path)
+    }
+
+    fn newest_list(&self) -> Option<&Arc<Kept>> {
+        self.all.iter().rev().find(|kept| kept.is_list)
     }
 
     /// Stores a list of machines. `None` if it is too long.
@@ -122,7 +122,7 @@ impl Parcels {
 
     /// Drops all lists of machines but the one that came last.
     pub(crate) fn drop_old_lists(&mut self) -> Vec<Arc<Kept>> {
-        let newest = self.all.iter().rev().find(|kept| kept.is_list).map(|kept| kept.name);
+        let newest = self.newest_list().map(|kept| kept.name);
         let is_old = |kept: &Kept| kept.is_list && Some(kept.name) != newest;
         std::iter::from_fn(|| self.drop_oldest(is_old)).collect()
     }
@@ -246,21 +246,26 @@ fn kept(bytes: &[u8], path: &Path) -> Option<Kept> {
 
 /// The list of machines that came last into the folder of a station's parcels. Changes nothing.
 pub(crate) fn stored_machine_list(folder: &Path) -> io::Result<Option<RobotMachines>> {
-    let entries = match fs::read_dir(folder) {
+    let files = match files(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        entries => entries?,
+        files => files?,
     };
-    let files = entries.flatten().filter_map(|entry| {
+    Ok(files.values().rev().find_map(|(hash, path)| read_list_file(*hash, path)))
+}
+
+/// The list of machines in the file of a parcel with this hash.
+fn read_list_file(hash: Hash, path: &Path) -> Option<RobotMachines> {
+    let bytes = fs::read(path).ok().filter(|bytes| Hash::of(bytes) == hash)?;
+    read_machine_list(&bytes)
+}
+
+/// The files of parcels in a folder by their numbers, each with the hash in its name.
+fn files(folder: &Path) -> io::Result<BTreeMap<u64, (Hash, PathBuf)>> {
+    let parcel = |entry: fs::DirEntry| {
         let (number, hash) = read_name(entry.file_name().to_str()?)?;
-        Some((number, hash, entry.path()))
-    });
-    let mut files: Vec<_> = files.collect();
-    files.sort_by(|(a, ..), (b, ..)| b.cmp(a));
-    let list = |(_, hash, path): (u64, Hash, PathBuf)| {
-        let bytes = fs::read(path).ok().filter(|bytes| Hash::of(bytes) == hash)?;
-        read_machine_list(&bytes)
+        Some((number, (hash, entry.path())))
     };
-    Ok(files.into_iter().find_map(list))
+    Ok(fs::read_dir(folder)?.flatten().filter_map(parcel).collect())
 }
 
 fn read_name(name: &str) -> Option<(u64, Hash)> {

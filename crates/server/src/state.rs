@@ -1,6 +1,5 @@
 //! State shared by all requests.
 
-use crate::Settings;
 use crate::access::{Audit, Names, OuterAddress, People, PrivateError};
 use crate::change_counters::ChangeCounters;
 use crate::documents::Documents;
@@ -9,8 +8,10 @@ use crate::plans::Plans;
 use crate::projects::Projects;
 use crate::python::Python;
 use crate::runs::{self, Runs};
+use crate::settings::Robots;
 use crate::socket::Sockets;
 use crate::watch as files;
+use crate::{Failure, Settings};
 use rafcon_protocol::api::ServerStatus;
 use std::sync::{Arc, OnceLock};
 use tokio::sync::watch;
@@ -75,6 +76,14 @@ impl ServerState {
             documents: Documents::new(&settings),
             settings,
         }))
+    }
+
+    /// What asks the robots of this station. At any other server, `robot` is unknown.
+    pub(crate) fn robots(&self, robot: &str) -> Result<Arc<dyn Robots>, Failure> {
+        self.settings.robots.clone().ok_or_else(|| {
+            let message = format!("robot {robot}: this server is no station");
+            Failure::not_found("no_such_robot", message)
+        })
     }
 
     /// Starts the background tasks. Call once, within the runtime.

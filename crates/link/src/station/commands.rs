@@ -21,8 +21,8 @@ const ASK_AFTER: u32 = 2;
 /// Longest time between two questions for the fate of an overdue command, unless a round trip takes longer.
 const ASK_EVERY_MAX: Duration = Duration::from_mins(2);
 
-/// Capacity. Beyond it, the oldest overdue command is dropped: its fate stays unknown.
-pub(super) const COMMANDS_MAX: usize = 256;
+/// Limit of commands that a station sends at a time. Beyond it, the oldest overdue command is dropped: its fate stays unknown.
+pub const COMMANDS_MAX: usize = 256;
 
 /// A command that is to be sent.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! What a station learns from the robot.
+//! Messages of a robot, as its station receives them.
 
 use crate::frame::{CommandId, CommandState, EventHash, NoValue, StreamId, ValueId};
 use crate::seal::{KeyId, PairingKey};

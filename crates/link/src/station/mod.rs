@@ -12,7 +12,7 @@ mod restored;
 mod streams;
 mod value_requests;
 
-pub use commands::{CommandProgress, NewCommand, NotSent, RobotTimes, TimedCommand};
+pub use commands::{COMMANDS_MAX, CommandProgress, NewCommand, NotSent, RobotTimes, TimedCommand};
 pub use from_robot::FromRobot;
 #[cfg(test)]
 pub(crate) use incoming::{GAPS_MAX, PARTS_MAX};

@@ -68,8 +68,10 @@ fn a_station_that_starts_again_never_shows_a_living_run_as_something_else() {
         let id = std::fs::read_dir(place.path(&folder)).unwrap().next().unwrap().unwrap();
         let id = id.file_name().into_string().unwrap();
         // Commands reach each of them.
-        assert_eq!(place.call(&format!("tell {id} pause --runs ground-runs")).stdout, "applied\n");
-        assert_eq!(place.call(&format!("tell {id} stop --runs {folder}")).stdout, "applied\n");
+        for words in ["pause --runs ground-runs".to_owned(), format!("stop --runs {folder}")] {
+            let told = place.call(&format!("tell {id} {words}"));
+            assert_eq!((told.stderr.as_str(), told.stdout.as_str()), ("", "applied\n"), "{words}");
+        }
     }
     for run in runs {
         drop(run.end());

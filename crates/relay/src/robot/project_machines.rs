@@ -1,7 +1,7 @@
 //! The machines in the projects of a robot's server, which are likely to be run: found by their files, newest first, and packed as a
 //! run would keep them.
 
-use crate::about::PARCEL_MAX;
+use crate::about::{PARCEL_MAX, machine_list_bytes};
 use crate::parcels::Parcels;
 use rafcon_protocol::api::{MachineFile, RobotMachines};
 use rafcon_storage::files::HEADER;
@@ -142,17 +142,14 @@ impl ProjectMachines {
             machines: found.iter().take(LISTED_MAX).map(file).collect(),
             more: u32::try_from(found.len().saturating_sub(LISTED_MAX)).unwrap_or(u32::MAX),
         };
+        // Long paths: fewer are listed.
+        while machine_list_bytes(&list).is_none() && list.machines.pop().is_some() {
+            list.more = list.more.saturating_add(1);
+        }
         if (&list.machines, list.more) == (&before.machines, before.more) {
             list.made_ms = before.made_ms;
         }
-        // Long paths: fewer are listed.
-        let kept = loop {
-            let kept = parcels.add_list(&list)?;
-            if kept.is_some() || list.machines.pop().is_none() {
-                break kept;
-            }
-            list.more = list.more.saturating_add(1);
-        };
+        let kept = parcels.add_list(&list)?;
         self.list = kept.map(|kept| kept.name);
         parcels.drop_old_lists();
         Ok(())
@@ -306,7 +303,7 @@ mod tests {
         let none_again = scan(&mut machines);
         assert_eq!(none_again.machines, []);
         assert!(none.made_ms < one.made_ms && one.made_ms < none_again.made_ms);
-        // A restart makes no other list of the same machines.
+        // After a restart, the list of unchanged machines is the same.
         assert_eq!(scan(&mut ProjectMachines::new(projects())), none_again);
         for number in 0..LISTED_MAX + 3 {
             write(&project.join(number.to_string()), "x = 1");
@@ -323,14 +320,18 @@ mod tests {
         for number in 0..LISTED_MAX {
             write(&project.join(&deep).join(number.to_string()), "x = 1");
         }
-        let folders = vec![ProjectFolder { id: "p".to_owned(), folder: project }];
-        let mut machines = ProjectMachines::new(Projects { folders, libraries: Vec::new() });
+        let projects = || Projects {
+            folders: vec![ProjectFolder { id: "p".to_owned(), folder: project.clone() }],
+            libraries: Vec::new(),
+        };
         let mut parcels = Parcels::open(&kept).unwrap();
-        machines.scan(&mut parcels).unwrap();
+        ProjectMachines::new(projects()).scan(&mut parcels).unwrap();
         let list = parcels.machine_list().unwrap();
         assert!(serde_json::to_vec(&list).unwrap().len() <= MACHINE_LIST_MAX);
         assert!(list.more > 0);
         assert_eq!(list.machines.len() + list.more as usize, LISTED_MAX);
+        ProjectMachines::new(projects()).scan(&mut parcels).unwrap();
+        assert_eq!(parcels.machine_list(), Some(list));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A request to a robot as its station stores it until its fate is known: one file each, with a hash of its content.
 
 use crate::ids;
-use rafcon_link::{CommandId, Generation, RobotTimes, TimedCommand};
+use rafcon_link::{COMMANDS_MAX, CommandId, Generation, RobotTimes, TimedCommand};
 use rafcon_storage::journal::folder::replace_file;
 use rafcon_storage::journal::{JournalError, make_folder};
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ const FILE: &str = "command";
 /// Ending of a damaged file.
 const DAMAGED_FILE: &str = "damaged";
 /// Capacity of the folder: the session sends no more commands at a time.
-pub(super) const STORED_MAX: usize = 256;
+pub(super) const STORED_MAX: usize = COMMANDS_MAX;
 
 /// A request with its times.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -107,10 +107,7 @@ async fn machines(
             Failure::unavailable("machines_unknown", format!("robot {robot}: {why}"))
         }
     };
-    let robots = server.settings.robots.as_ref().ok_or_else(|| {
-        failed(MachinesFault::NotReceived("this server is no station".to_owned()))
-    })?;
-    robots.machines(&robot).map(Json).map_err(failed)
+    server.robots(&robot)?.machines(&robot).map(Json).map_err(failed)
 }
 
 /// Asks a robot to start a machine of its projects.

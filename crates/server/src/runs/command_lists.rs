@@ -121,9 +121,7 @@ async fn ask(
     robot: &str,
     question: impl FnOnce(&dyn Robots, &str) -> Result<CommandList, CommandListFault> + Send + 'static,
 ) -> Result<CommandList, Failure> {
-    let not_received = || CommandListFault::NotReceived("this server is no station".to_owned());
-    let robots = server.settings.robots.clone();
-    let robots = robots.ok_or_else(|| failed(robot, not_received()))?;
+    let robots = server.robots(robot)?;
     let name = robot.to_owned();
     blocking(move || question(&*robots, &name).map_err(|why| failed(&name, why))).await
 }

@@ -3,7 +3,7 @@
 use crate::access::Who;
 use crate::extract::{Body, Path};
 use crate::gate::blocking;
-use crate::settings::{ContactsFault, Robots};
+use crate::settings::ContactsFault;
 use crate::{Failure, ServerState};
 use axum::Json;
 use axum::extract::State;
@@ -33,7 +33,7 @@ async fn contacts(
     State(server): State<Arc<ServerState>>,
     Path(robot): Path<String>,
 ) -> Result<Json<Vec<ContactWindow>>, Failure> {
-    let plan = robots(&server, &robot)?.contacts(&robot).map_err(|why| failed(&robot, why))?;
+    let plan = server.robots(&robot)?.contacts(&robot).map_err(|why| failed(&robot, why))?;
     Ok(Json(plan.windows()))
 }
 
@@ -57,7 +57,7 @@ async fn set_contacts(
     Path(robot): Path<String>,
     Body(windows): Body<Value>,
 ) -> Result<Json<Vec<ContactWindow>>, Failure> {
-    let robots = robots(&server, &robot)?;
+    let robots = server.robots(&robot)?;
     let plan = ContactPlan::of_json(&windows).map_err(bad)?;
     plan.check_future(clock::since_1970_ms()).map_err(bad)?;
     let stored = plan.windows();
@@ -65,11 +65,6 @@ async fn set_contacts(
     blocking(move || robots.set_contacts(&name, plan).map_err(|why| failed(&name, why))).await?;
     server.audit().note(&who.user, "contacts_set", &format!("of {robot}: {}", stored.len()));
     Ok(Json(stored))
-}
-
-fn robots(server: &ServerState, robot: &str) -> Result<Arc<dyn Robots>, Failure> {
-    let not_received = || ContactsFault::NotReceived("this server is no station".to_owned());
-    server.settings.robots.clone().ok_or_else(|| failed(robot, not_received()))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it maps the error of a result")]

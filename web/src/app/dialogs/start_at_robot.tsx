@@ -5,7 +5,7 @@ import { useEffect, useState } from "react";
 import { pathOf } from "../../commands/run_again.ts";
 import type { MachineFile, RobotMachines } from "../../model/generated/protocol.ts";
 import { clock1s } from "../../store/page/clock1s.ts";
-import { RefusalError } from "../../store/page/server.ts";
+import { LatestRequest } from "../../store/page/latest_request.ts";
 import { utcTime } from "../../store/page/times.ts";
 import { Button } from "../../ui/button.tsx";
 import { Dialog } from "../../ui/dialog.tsx";
@@ -129,30 +129,25 @@ function NoMachine(props: {
   return <Empty title="Nothing found" text={`No path of a machine contains “${search}”.`} />;
 }
 
+interface KnownMachines {
+  readonly robot: string;
+  readonly list: RobotMachines | null;
+  /** Reason why the list is unknown. */
+  readonly fault: string | null;
+}
+
 /** The list of a robot's machines that the station has; null before it is known. */
-function useMachines(robot: string) {
+function useMachines(robot: string): Pick<KnownMachines, "list" | "fault"> {
   const { page } = useSession();
-  const [known, setKnown] = useState<{
-    readonly robot: string;
-    readonly list: RobotMachines | null;
-    readonly fault: string | null;
-  }>({ robot, list: null, fault: null });
+  const [known, setKnown] = useState<KnownMachines>({ robot, list: null, fault: null });
   useEffect(() => {
-    let isCurrent = true;
-    const take = (list: RobotMachines | null, fault: string | null) => {
-      if (isCurrent) setKnown({ robot, list, fault });
-    };
-    const path = `/robots/${encodeURIComponent(robot)}/machines`;
-    page.server.request<RobotMachines>("GET", path).then(
-      (list) => take(list, null),
-      (error: unknown) => {
-        if (!(error instanceof RefusalError)) throw error;
-        take(null, error.message);
-      },
-    );
-    return () => {
-      isCurrent = false;
-    };
+    const request = new LatestRequest<string, RobotMachines>({
+      ask: (name) => page.server.request("GET", `/robots/${encodeURIComponent(name)}/machines`),
+      take: (list, name) => setKnown({ robot: name, list, fault: null }),
+      refused: ({ message }, name) => setKnown({ robot: name, list: null, fault: message }),
+    });
+    request.want(robot);
+    return () => request.close();
   }, [page, robot]);
   return known.robot === robot ? known : { list: null, fault: null };
 }

@@ -50,7 +50,8 @@ pub(super) struct CommandStorage {
 /// An accepted request that the disk does not take.
 struct Unstored {
     about: String,
-    why: String,
+    /// Reason of the disk; `None` until it fails.
+    why: Option<String>,
 }
 
 impl CommandStorage {
@@ -106,8 +107,7 @@ impl CommandStorage {
     /// Stores a request that is accepted already.
     pub(super) fn store_beside(&mut self, request: &PreparedRequest) {
         self.disk.keep(self.stored(request));
-        // Reported only if the disk fails.
-        self.note_unstored(request, String::new());
+        self.note_unstored(request, None);
     }
 
     /// Applies an event of the disk. Returns the request that is accepted now.
@@ -121,11 +121,11 @@ impl CommandStorage {
             }
             FromCommandDisk::NotKept(id, why) => {
                 if let Some(unstored) = self.unstored.get_mut(&id) {
-                    unstored.why = why;
+                    unstored.why = Some(why);
                     return None;
                 }
                 let Storing { request, .. } = self.storing.remove(&id)?;
-                self.note_unstored(&request, why);
+                self.note_unstored(&request, Some(why));
                 Some(request)
             }
         }
@@ -136,12 +136,14 @@ impl CommandStorage {
         let is_slow = |_: &CommandId, storing: &mut Storing| now >= storing.since + DISK_WITHIN;
         let slow: Vec<_> = self.storing.extract_if(.., is_slow).collect();
         let slow = slow.into_iter().map(|(_, storing)| storing.request);
-        slow.inspect(|request| self.note_unstored(request, "the disk does not answer".to_owned()))
-            .collect()
+        slow.inspect(|request| {
+            self.note_unstored(request, Some("the disk does not answer".to_owned()));
+        })
+        .collect()
     }
 
     /// Notes that an accepted request is not durable yet.
-    fn note_unstored(&mut self, request: &PreparedRequest, why: String) {
+    fn note_unstored(&mut self, request: &PreparedRequest, why: Option<String>) {
         let about = format!("{} ({})", request.given.word.asks(), request.given.id);
         self.stored.insert(request.command.id);
         self.unstored.insert(request.command.id, Unstored { about, why });
@@ -158,9 +160,9 @@ impl CommandStorage {
 
     /// Requests that a restart of the station would lose, and those that it has lost.
     pub(super) fn problems(&self) -> impl Iterator<Item = String> {
-        let unstored = self.unstored.values().filter(|unstored| !unstored.why.is_empty());
-        let unstored = unstored.map(|Unstored { about, why }| {
-            format!("{about} is sent, and a restart of the station would drop it: {why}")
+        let unstored = self.unstored.values().filter_map(|Unstored { about, why }| {
+            let why = why.as_ref()?;
+            Some(format!("{about} is sent, and a restart of the station would drop it: {why}"))
         });
         unstored.chain(self.lost.iter().cloned())
     }
